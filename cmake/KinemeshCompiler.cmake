@@ -1,0 +1,19 @@
+# Compiler settings shared by every target.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+
+add_library(kinemesh_compiler INTERFACE)
+# No contraction to fused multiply-add: the code paths chosen at run time must give the same bytes.
+target_compile_options(kinemesh_compiler INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Werror
+  -Wno-missing-field-initializers -ffp-contract=off
+  -Wno-restrict)  # gcc 12 reports false ones in std::string (GCC bug 105651)
+if(KINEMESH_SANITIZE)
+  target_compile_options(kinemesh_compiler INTERFACE
+    -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
+    -Wno-maybe-uninitialized)  # gcc 12 reports false ones under the sanitizers
+  target_link_options(kinemesh_compiler INTERFACE -fsanitize=address,undefined)
+endif()

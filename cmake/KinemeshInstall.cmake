@@ -1,0 +1,13 @@
+# Install rules, and the package files by which find_package(kinemesh) works.
+include(CMakePackageConfigHelpers)
+set(KINEMESH_CMAKE_DIR "${CMAKE_INSTALL_LIBDIR}/cmake/kinemesh")
+configure_package_config_file(
+  "${CMAKE_SOURCE_DIR}/cmake/kinemeshConfig.cmake.in"
+  "${CMAKE_BINARY_DIR}/kinemeshConfig.cmake" INSTALL_DESTINATION "${KINEMESH_CMAKE_DIR}")
+write_basic_package_version_file("${CMAKE_BINARY_DIR}/kinemeshConfigVersion.cmake"
+                                 COMPATIBILITY SameMinorVersion)
+install(FILES "${CMAKE_BINARY_DIR}/kinemeshConfig.cmake"
+              "${CMAKE_BINARY_DIR}/kinemeshConfigVersion.cmake"
+        DESTINATION "${KINEMESH_CMAKE_DIR}" COMPONENT development)
+install(EXPORT kinemeshTargets NAMESPACE kinemesh:: DESTINATION "${KINEMESH_CMAKE_DIR}"
+        COMPONENT development)

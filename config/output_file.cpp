@@ -1,0 +1,164 @@
+#include "config/output_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "config/error.h"
+
+namespace kinemesh {
+namespace fs = std::filesystem;
+namespace {
+
+fs::path folder_of(const fs::path& path) {
+  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
+
+std::string remedy_for(int error) {
+  switch (error) {
+    case ENOENT: return "Create the folder first, or check its spelling";
+    case EACCES:
+    case EPERM:
+    case EROFS: return "Choose a folder in which you may write";
+    case ENOSPC:
+    case EDQUOT: return "Free some disk space, or write to another disk";
+    default: return "";
+  }
+}
+
+/// A name that no other process or thread uses.
+fs::path temporary_for(const fs::path& path) {
+  static std::atomic<unsigned> counter{0};
+  return folder_of(path) / ("." + path.filename().string() + "." + std::to_string(::getpid()) +
+                            "-" + std::to_string(counter++) + ".tmp");
+}
+
+}  // namespace
+
+OutputFile::OutputFile(fs::path path) : path_(std::move(path)), temporary_(temporary_for(path_)) {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path_, ignored);
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    throw InputError({.what = fs::is_directory(status) ? "cannot write: this is a folder"
+                                                       : "cannot write: this is no regular file",
+                      .file = path_.string(),
+                      .remedy = "Give the name of a file"});
+  }
+  const int fd = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (fd >= 0) handle_ = ::fdopen(fd, "wb");
+  if (handle_ == nullptr) {
+    const int error = errno;
+    if (fd >= 0) ::close(fd);
+    throw InputError({.what = std::string("cannot write: ") + std::strerror(error),
+                      .file = path_.string(),
+                      .remedy = remedy_for(error)});
+  }
+}
+
+OutputFile::OutputFile(OutputFile&& other) noexcept
+    : path_(std::move(other.path_)),
+      temporary_(std::move(other.temporary_)),
+      handle_(std::exchange(other.handle_, nullptr)),
+      position_(other.position_),
+      done_(std::exchange(other.done_, true)) {}
+
+OutputFile::~OutputFile() {
+  if (handle_ != nullptr) std::fclose(handle_);
+  if (!done_) ::unlink(temporary_.c_str());
+}
+
+void OutputFile::fail(const std::string& doing) {
+  const int error = errno;
+  throw InputError({.what = "cannot " + doing + ": " + std::strerror(error),
+                    .file = path_.string(),
+                    .remedy = remedy_for(error)});
+}
+
+void OutputFile::write(std::string_view text) { write(text.data(), text.size()); }
+
+void OutputFile::write(const void* data, std::size_t bytes) {
+  if (bytes == 0) return;
+  if (handle_ == nullptr) throw InternalError("writing to a closed output file");
+  if (std::fwrite(data, 1, bytes, handle_) != bytes) fail("write");
+  position_ += bytes;
+}
+
+void OutputFile::seek(std::size_t position) {
+  if (::fseeko(handle_, static_cast<off_t>(position), SEEK_SET) != 0) fail("write");
+  position_ = position;
+}
+
+void OutputFile::release_handle() {
+  if (handle_ == nullptr) return;
+  if (std::fclose(std::exchange(handle_, nullptr)) != 0) fail("write");
+}
+
+void OutputFile::finish() { release_handle(); }
+
+void OutputFile::publish() {
+  if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail("write");
+  done_ = true;
+}
+
+void OutputFile::commit() {
+  finish();
+  publish();
+}
+
+OutputSet::~OutputSet() {
+  if (committed_) return;
+  files_.clear();
+  std::error_code ignored;
+  for (auto it = created_folders_.rbegin(); it != created_folders_.rend(); ++it) {
+    fs::remove(*it, ignored);  // only when empty
+  }
+}
+
+void OutputSet::create_folder(const fs::path& folder) {
+  if (folder.empty() || fs::is_directory(folder)) return;
+  create_folder(folder.parent_path());
+  std::error_code error;
+  fs::create_directory(folder, error);
+  if (error) {
+    throw InputError({.what = "cannot create the folder: " + error.message(),
+                      .file = folder.string(),
+                      .remedy = remedy_for(error.value())});
+  }
+  created_folders_.push_back(folder);
+}
+
+void OutputSet::add(const fs::path& path, std::string_view content) {
+  OutputFile file(path);
+  file.write(content);
+  add(std::move(file));
+}
+
+void OutputSet::add(OutputFile file) {
+  file.finish();
+  files_.push_back(std::move(file));
+}
+
+void OutputSet::commit() {
+  for (OutputFile& file : files_) file.publish();
+  committed_ = true;
+}
+
+std::vector<fs::path> OutputSet::paths() const {
+  std::vector<fs::path> all;
+  all.reserve(files_.size());
+  for (const OutputFile& file : files_) all.push_back(file.path());
+  return all;
+}
+
+void write_file(const fs::path& path, std::string_view content) {
+  OutputFile file(path);
+  file.write(content);
+  file.commit();
+}
+
+}  // namespace kinemesh
