@@ -18,7 +18,16 @@
 namespace kinemesh {
 
 /// What a trajectory is. Only `marker` is a point of the body by default.
-enum class MarkerKind : uint8_t { marker, unlabelled, virtual_point, angle, force, moment, power, scalar };
+enum class MarkerKind : uint8_t {
+  marker,
+  unlabelled,
+  virtual_point,
+  angle,
+  force,
+  moment,
+  power,
+  scalar
+};
 
 /// "marker", "unlabelled", "virtual", "angle", …: the words of the JSON output.
 std::string_view name_of(MarkerKind kind);
@@ -41,9 +50,9 @@ struct SampleFlag {
 /// Points without identity; their number may differ from frame to frame. Frame f owns the rows
 /// [offsets[f], offsets[f + 1]).
 struct UnlabelledPoints {
-  std::vector<uint64_t> offsets;              ///< empty, or frames + 1
-  std::vector<Eigen::Vector3f> positions;     ///< mm
-  std::vector<float> residuals;               ///< mm
+  std::vector<uint64_t> offsets;           ///< empty, or frames + 1
+  std::vector<Eigen::Vector3f> positions;  ///< mm
+  std::vector<float> residuals;            ///< mm
   std::vector<uint8_t> camera_masks;
 };
 
@@ -65,13 +74,13 @@ enum class Storage : uint8_t { integer, real };
 
 /// How the take was stored, so that it can be written back the same way.
 struct Origin {
-  std::string path;          ///< file it was read from; empty for generated data
-  std::string unit = "mm";   ///< length unit of the file
+  std::string path;                ///< file it was read from; empty for generated data
+  std::string unit = "mm";         ///< length unit of the file
   std::string x_screen, y_screen;  ///< axes of origin as in POINT:X_SCREEN and Y_SCREEN ("+X")
-  std::string manufacturer;  ///< company, software and version, as far as given
+  std::string manufacturer;        ///< company, software and version, as far as given
   Processor processor = Processor::intel;
   Storage storage = Storage::real;
-  double scale = -1.0;       ///< POINT:SCALE of the file in its own unit
+  double scale = -1.0;  ///< POINT:SCALE of the file in its own unit
 };
 
 class MarkerSequence {

@@ -30,9 +30,7 @@ class Buffer {
   explicit Buffer(std::size_t size)
       : data_(static_cast<T*>(detail::allocate_buffer(size * sizeof(T)))), size_(size) {}
   Buffer(std::size_t size, T value) : Buffer(size) { std::fill_n(data(), size, value); }
-  Buffer(const Buffer& other) : Buffer(other.size_) {
-    std::copy_n(other.data(), size_, data());
-  }
+  Buffer(const Buffer& other) : Buffer(other.size_) { std::copy_n(other.data(), size_, data()); }
   Buffer(Buffer&& other) noexcept
       : data_(std::move(other.data_)), size_(std::exchange(other.size_, 0)) {}
   Buffer& operator=(Buffer other) noexcept {

@@ -11,12 +11,12 @@ namespace kinemesh {
 
 /// What went wrong and where. Everything but `what` may be empty.
 struct ErrorDetails {
-  std::string what;                  ///< one sentence without a full stop
-  std::string file{};                ///< path of the file concerned
-  std::string place{};               ///< "line 12", "byte 512", "parameter POINT:RATE"
-  std::string marker{};              ///< label of the marker concerned
-  std::optional<int64_t> frame{};    ///< frame number as in the file (1-based in C3D)
-  std::string remedy{};              ///< what the user can do about it
+  std::string what;                ///< one sentence without a full stop
+  std::string file{};              ///< path of the file concerned
+  std::string place{};             ///< "line 12", "byte 512", "parameter POINT:RATE"
+  std::string marker{};            ///< label of the marker concerned
+  std::optional<int64_t> frame{};  ///< frame number as in the file (1-based in C3D)
+  std::string remedy{};            ///< what the user can do about it
 };
 
 /// Process exit codes, the same for every command.

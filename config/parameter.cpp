@@ -41,7 +41,8 @@ std::string Parameter::allowed() const {
   const std::string what = kind_ == Kind::integer ? "a whole number" : "a number";
   const bool low = std::isfinite(min_);
   const bool high = std::isfinite(max_);
-  if (low && high) return what + " from " + format_number(min_) + " to " + format_number(max_) + suffix;
+  if (low && high)
+    return what + " from " + format_number(min_) + " to " + format_number(max_) + suffix;
   if (low) return what + " of at least " + format_number(min_) + suffix;
   if (high) return what + " of at most " + format_number(max_) + suffix;
   return unit_.empty() ? what : what + " in " + unit_;

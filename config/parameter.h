@@ -113,13 +113,12 @@ class ParameterSet {
       p.words_.push_back({std::move(c.word), std::move(c.help)});
       values.push_back(c.value);
     }
-    p.target_ = Parameter::ChoiceBinding{
-        [&field, values](std::size_t i) { field = values.at(i); },
-        [&field, values] {
-          std::size_t i = 0;
-          while (i < values.size() && values[i] != field) ++i;
-          return i;
-        }};
+    p.target_ = Parameter::ChoiceBinding{[&field, values](std::size_t i) { field = values.at(i); },
+                                         [&field, values] {
+                                           std::size_t i = 0;
+                                           while (i < values.size() && values[i] != field) ++i;
+                                           return i;
+                                         }};
   }
 
   std::vector<Parameter>& parameters() { return parameters_; }

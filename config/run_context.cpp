@@ -26,8 +26,8 @@ RunContext& RunContext::set_seed(uint64_t seed) {
 
 RunContext& RunContext::set_threads(int threads) {
   if (threads < 0) {
-    throw UsageError({.what = "the number of threads must not be negative, but is " +
-                              std::to_string(threads)});
+    throw UsageError(
+        {.what = "the number of threads must not be negative, but is " + std::to_string(threads)});
   }
   const int available = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   threads_ = threads == 0 ? available : threads;

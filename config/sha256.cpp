@@ -58,7 +58,8 @@ class Sha256 {
   void compress() {
     std::array<uint32_t, 64> w{};
     for (int i = 0; i < 16; ++i) {
-      w[i] = static_cast<uint32_t>(block_[4 * i]) << 24U | static_cast<uint32_t>(block_[4 * i + 1]) << 16U |
+      w[i] = static_cast<uint32_t>(block_[4 * i]) << 24U |
+             static_cast<uint32_t>(block_[4 * i + 1]) << 16U |
              static_cast<uint32_t>(block_[4 * i + 2]) << 8U | block_[4 * i + 3];
     }
     for (int i = 16; i < 64; ++i) {
@@ -72,7 +73,14 @@ class Sha256 {
       const uint32_t t1 = h + s1 + ((e & f) ^ (~e & g)) + round_constants[i] + w[i];
       const uint32_t s0 = std::rotr(a, 2) ^ std::rotr(a, 13) ^ std::rotr(a, 22);
       const uint32_t t2 = s0 + ((a & b) ^ (a & c) ^ (b & c));
-      h = g; g = f; f = e; e = d + t1; d = c; c = b; b = a; a = t1 + t2;
+      h = g;
+      g = f;
+      f = e;
+      e = d + t1;
+      d = c;
+      c = b;
+      b = a;
+      a = t1 + t2;
     }
     const std::array<uint32_t, 8> sum = {a, b, c, d, e, f, g, h};
     for (int i = 0; i < 8; ++i) state_[i] += sum[i];

@@ -20,6 +20,7 @@ std::string format_fixed(double value, int decimals);
 std::string count_of(std::size_t count, std::string_view singular, std::string_view plural = {});
 
 std::string lower(std::string_view text);
+std::string upper(std::string_view text);
 std::string_view trim(std::string_view text);
 /// Case-insensitive match of `*` and `?` wildcards.
 bool matches_wildcard(std::string_view pattern, std::string_view text);

@@ -79,7 +79,8 @@ void Topology::pair_halfedges() {
     i = end;
   }
   for (HalfedgeIndex h = 0; h < halfedge_count; ++h) {
-    if (twins_[h] == invalid_index || h < twins_[h]) edges_.push_back({{from(h), to(h)}, h, twins_[h]});
+    if (twins_[h] == invalid_index || h < twins_[h])
+      edges_.push_back({{from(h), to(h)}, h, twins_[h]});
   }
 }
 
@@ -119,7 +120,8 @@ bool Topology::vertices_have_one_fan() const {
     if (around.empty()) continue;
     // Walk the fan from its first face both ways; a second fan leaves faces unvisited.
     const auto& face = faces_[around[0]];
-    const auto corner = static_cast<uint32_t>(std::find(face.begin(), face.end(), v) - face.begin());
+    const auto corner =
+        static_cast<uint32_t>(std::find(face.begin(), face.end(), v) - face.begin());
     const HalfedgeIndex start = 3 * around[0] + corner;
     std::size_t visited = 1;
     HalfedgeIndex h = twins_[previous(start)];

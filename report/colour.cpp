@@ -14,9 +14,8 @@ Colour mix(const Colour& a, const Colour& b, double t) {
 
 Colour viridis(double t) {
   // Nine equidistant samples of matplotlib's viridis; between them it is close to linear.
-  static constexpr std::array<uint32_t, 9> samples = {0x440154, 0x472d7b, 0x3b528b,
-                                                      0x2c728e, 0x21918c, 0x28ae80,
-                                                      0x5ec962, 0xaddc30, 0xfde725};
+  static constexpr std::array<uint32_t, 9> samples = {
+      0x440154, 0x472d7b, 0x3b528b, 0x2c728e, 0x21918c, 0x28ae80, 0x5ec962, 0xaddc30, 0xfde725};
   const double at = std::clamp(std::isnan(t) ? 0.0 : t, 0.0, 1.0) * (samples.size() - 1);
   const auto i = std::min<std::size_t>(static_cast<std::size_t>(at), samples.size() - 2);
   return mix(colour_from_hex(samples[i]), colour_from_hex(samples[i + 1]),

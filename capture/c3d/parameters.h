@@ -18,8 +18,8 @@ struct C3dParameter {
   bool locked = false;
   C3dType type = C3dType::real;
   std::vector<uint8_t> dimensions;
-  std::vector<double> numbers;     ///< byte, integer and real: all values (integers as stored, signed)
-  std::string characters;          ///< text: all characters, dimensions[0] per string
+  std::vector<double> numbers;  ///< byte, integer and real: all values (integers as stored, signed)
+  std::string characters;       ///< text: all characters, dimensions[0] per string
   /// text: the strings, trailing spaces and NULs removed.
   std::vector<std::string> strings() const;
   friend bool operator==(const C3dParameter&, const C3dParameter&) = default;

@@ -23,7 +23,8 @@ struct Options {
     p.number("order", order, {.min = 1, .max = 8, .help = "order"});
     p.flag("zero-phase", zero_phase, "both ways");
     p.group("gaps", "Gaps");
-    p.choice("fill", fill, {{Fill::none, "none", "leave"}, {Fill::spline, "spline", "fill"}}, "how");
+    p.choice("fill", fill, {{Fill::none, "none", "leave"}, {Fill::spline, "spline", "fill"}},
+             "how");
     p.list("markers", markers, {.help = "which"});
     p.text("note", note, {.help = "free text"});
   }

@@ -1,0 +1,142 @@
+#include "cli/command_line.h"
+
+#include "config/input_file.h"
+#include "config/text.h"
+
+namespace kinemesh::cli {
+namespace {
+
+constexpr const char* general_group = "General";
+
+std::string upper_metavar(const Parameter& p) {
+  switch (p.kind()) {
+    case Parameter::Kind::integer:
+    case Parameter::Kind::number: return p.unit().empty() ? "NUMBER" : p.unit();
+    case Parameter::Kind::choice: return "WORD";
+    default: return p.metavar();
+  }
+}
+
+/// Help as shown beside an option: meaning, what is allowed, default.
+std::string help_of(const Parameter& p) {
+  std::string text = p.help();
+  const std::string standard = join(p.get(), ",");
+  if (p.kind() == Parameter::Kind::boolean) {
+    return text + (standard == "true" ? " (default: yes)" : "");
+  }
+  std::vector<std::string> notes;
+  if (p.kind() == Parameter::Kind::choice) {
+    for (const ChoiceWord& w : p.words()) notes.push_back(w.word + ": " + w.help);
+    text += ". " + join(notes, "; ");
+    notes.clear();
+  } else if (p.kind() != Parameter::Kind::text && p.kind() != Parameter::Kind::text_list) {
+    notes.push_back(p.allowed());
+  }
+  if (!standard.empty()) notes.push_back("default " + standard);
+  return notes.empty() ? text : text + " (" + join(notes, "; ") + ")";
+}
+
+}  // namespace
+
+Cli11CommandLine::Cli11CommandLine(CLI::App& app) : app_(app) {
+  app_.add_option("--threads", common_.threads, "Threads to use; 0 means all of the machine's")
+      ->check(CLI::Range(0, 1024))
+      ->option_text("N")
+      ->group(general_group);
+  app_.add_option("--seed", common_.seed,
+                  "Seed of random choices; the same seed gives the same result")
+      ->check(CLI::NonNegativeNumber)
+      ->option_text("N")
+      ->group(general_group);
+  auto* quiet =
+      app_.add_flag("-q,--quiet", common_.quiet, "Show errors only")->group(general_group);
+  app_.add_flag("-v,--verbose", common_.verbose, "Show details")
+      ->group(general_group)
+      ->excludes(quiet);
+}
+
+void Cli11CommandLine::positional(const std::string& name, std::string& field,
+                                  const std::string& help) {
+  app_.add_option(name, field, help)->required()->option_text(" ");
+}
+
+void Cli11CommandLine::optional_positional(const std::string& name, std::string& field,
+                                           const std::string& help) {
+  app_.add_option(name, field, help)->option_text(" ");
+}
+
+void Cli11CommandLine::positionals(const std::string& name, std::vector<std::string>& field,
+                                   const std::string& help) {
+  app_.add_option(name, field, help)->required()->option_text("...");
+}
+
+void Cli11CommandLine::option(const std::string& names, std::string& field,
+                              const std::string& metavar, const std::string& help, bool required) {
+  app_.add_option(names, field, help)->required(required)->option_text(metavar);
+}
+
+void Cli11CommandLine::option(const std::string& names, std::vector<std::string>& field,
+                              const std::string& metavar, const std::string& help) {
+  app_.add_option(names, field, help)->option_text(metavar)->allow_extra_args(false);
+}
+
+void Cli11CommandLine::flag(const std::string& names, bool& field, const std::string& help) {
+  app_.add_flag(names, field, help);
+}
+
+void Cli11CommandLine::json_output() {
+  app_.add_flag("--json", common_.json, "Print the result as one JSON document")
+      ->group(general_group);
+}
+
+void Cli11CommandLine::parameters(std::function<void(ParameterSet&)> declare) {
+  declare(set_);
+  for (Parameter& p : set_.parameters()) add_parameter(p);
+  app_.add_option("--config", config_file_, "Read options from this file; the command line wins")
+      ->option_text("FILE.toml")
+      ->group(general_group);
+  app_.add_flag("--dump-config", dump_config_, "Print all options as TOML, and do nothing else")
+      ->group(general_group);
+}
+
+void Cli11CommandLine::add_parameter(Parameter& p) {
+  const std::string& title = set_.title(p.group());
+  const std::string heading = title.empty() ? "Options" : title;
+  const std::string name = p.name();
+  if (p.kind() == Parameter::Kind::boolean) {
+    app_.add_flag_function(
+            "--" + name + ",!--no-" + name,
+            [this, name](int64_t count) { given_[name] = {count > 0 ? "true" : "false"}; },
+            help_of(p))
+        ->group(heading);
+    return;
+  }
+  CLI::Option* option =
+      app_.add_option_function<std::vector<std::string>>(
+              "--" + name,
+              [this, name](const std::vector<std::string>& values) { given_[name] = values; },
+              help_of(p))
+          ->option_text(upper_metavar(p))
+          ->group(heading)
+          ->allow_extra_args(false);
+  if (p.kind() == Parameter::Kind::text_list) {
+    option->delimiter(',');
+  } else {
+    option->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+  }
+}
+
+void Cli11CommandLine::apply_parameters() {
+  if (!config_file_.empty()) set_.load_toml(read_file(config_file_, 1U << 24U), config_file_);
+  for (const auto& [name, values] : given_) {
+    try {
+      set_.find(name)->set(values);
+    } catch (const UsageError& e) {
+      throw UsageError({.what = "--" + name + ": " + e.details().what});
+    }
+  }
+}
+
+std::string Cli11CommandLine::options_toml() const { return set_.dump_toml(); }
+
+}  // namespace kinemesh::cli

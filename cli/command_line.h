@@ -1,0 +1,77 @@
+// The CLI11 side of CommandLine. Only the .cpp files of cli/ that parse, and those that write man
+// pages and completion, include this.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cli/command.h"
+
+namespace kinemesh::cli {
+
+/// Options that every subcommand takes.
+struct CommonOptions {
+  int threads = 0;
+  int64_t seed = 0;
+  bool quiet = false;
+  bool verbose = false;
+  bool json = false;
+};
+
+class Cli11CommandLine : public CommandLine {
+ public:
+  explicit Cli11CommandLine(CLI::App& app);
+  void positional(const std::string& name, std::string& field, const std::string& help) override;
+  void optional_positional(const std::string& name, std::string& field,
+                           const std::string& help) override;
+  void positionals(const std::string& name, std::vector<std::string>& field,
+                   const std::string& help) override;
+  void option(const std::string& names, std::string& field, const std::string& metavar,
+              const std::string& help, bool required) override;
+  void option(const std::string& names, std::vector<std::string>& field, const std::string& metavar,
+              const std::string& help) override;
+  void flag(const std::string& names, bool& field, const std::string& help) override;
+  void parameters(std::function<void(ParameterSet&)> declare) override;
+  void json_output() override;
+
+  const CommonOptions& common() const { return common_; }
+  /// Sets the parameters from --config and then from the command line.
+  void apply_parameters();
+  bool dump_config() const { return dump_config_; }
+  std::string options_toml() const;
+  CLI::App& app() { return app_; }
+
+ private:
+  void add_parameter(Parameter& parameter);
+
+  CLI::App& app_;
+  CommonOptions common_;
+  ParameterSet set_;
+  std::map<std::string, std::vector<std::string>> given_;  // by parameter name
+  std::string config_file_;
+  bool dump_config_ = false;
+};
+
+/// The whole program's parser: every subcommand set up.
+struct Program {
+  struct Entry {
+    CommandSpec spec;
+    CLI::App* app = nullptr;
+    std::unique_ptr<Cli11CommandLine> line;
+    Action action;
+  };
+  Program();
+  CLI::App app;
+  std::vector<Entry> entries;
+  bool version = false;
+};
+
+/// A man page (troff) of the program, or of one command of it.
+std::string man_page(const Program& program, const CLI::App& app, const std::string& path);
+/// The bash completion script.
+std::string bash_completion(const Program& program);
+
+}  // namespace kinemesh::cli

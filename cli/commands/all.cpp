@@ -1,0 +1,17 @@
+#include "cli/commands/commands.h"
+
+namespace kinemesh::cli {
+
+std::vector<CommandSpec> all_commands() {
+  return {
+      hash_command(),
+  };
+}
+
+std::string family_summary(std::string_view family) {
+  if (family == "c3d") return "Inspect, check, repair, compare and convert C3D sessions";
+  if (family == "evaluate") return "Measure results against a known truth";
+  throw InternalError("the command family '" + std::string(family) + "' has no summary");
+}
+
+}  // namespace kinemesh::cli

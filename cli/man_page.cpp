@@ -1,0 +1,102 @@
+// Man pages and bash completion, derived from the parser itself.
+#include "cli/command_line.h"
+#include "config/text.h"
+#include "config/version.h"
+
+namespace kinemesh::cli {
+namespace {
+
+/// Escapes troff's control characters.
+std::string troff(const std::string& text) {
+  std::string out;
+  bool line_start = true;
+  for (const char c : text) {
+    if (c == '\\') {
+      out += "\\e";
+    } else if (c == '-') {
+      out += "\\-";
+    } else {
+      if (line_start && (c == '.' || c == '\'')) out += "\\&";
+      out += c;
+    }
+    line_start = c == '\n';
+  }
+  return out;
+}
+
+std::vector<const CLI::Option*> options_of(const CLI::App& app) {
+  return app.get_options([](const CLI::Option* o) { return !o->get_group().empty(); });
+}
+
+std::vector<const CLI::App*> subcommands_of(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App*) { return true; });
+}
+
+std::string describe_options(const CLI::App& app) {
+  std::string text;
+  for (const CLI::Option* option : options_of(app)) {
+    const std::string value = std::string(trim(option->get_option_text()));
+    text += ".TP\n.B " + troff(option->get_name(option->get_positional(), true));
+    text += value.empty() ? "\n" : " \\fI" + troff(value) + "\\fR\n";
+    text += troff(option->get_description()) + "\n";
+  }
+  return text;
+}
+
+void complete(const CLI::App& app, const std::string& path, std::string& cases) {
+  std::vector<std::string> words;
+  for (const CLI::App* sub : subcommands_of(app)) {
+    words.push_back(sub->get_name());
+    complete(*sub, path + (path.empty() ? "" : " ") + sub->get_name(), cases);
+  }
+  for (const CLI::Option* option : options_of(app)) {
+    for (const std::string& name : option->get_lnames()) words.push_back("--" + name);
+  }
+  cases += "    \"" + path + "\") words=\"" + join(words, " ") + "\" ;;\n";
+}
+
+}  // namespace
+
+std::string man_page(const Program& program, const CLI::App& app, const std::string& path) {
+  std::string text =
+      ".TH " + troff(upper(path)) + " 1 \"\" \"kinemesh " + version_number() + "\"\n";
+  text += ".SH NAME\n" + troff(path) + " \\- " + troff(app.get_description()) + "\n";
+  std::string command = path;
+  if (&app != &program.app) std::ranges::replace(command, '-', ' ');
+  text += ".SH SYNOPSIS\n.B " + troff(command) + "\n";
+  for (const CLI::Option* option : options_of(app)) {
+    if (option->get_positional()) text += "\\fI" + troff(option->get_name(true)) + "\\fR\n";
+  }
+  text += "[\\fIOPTIONS\\fR]\n";
+  if (&app == &program.app) {
+    text += ".SH COMMANDS\n";
+    for (const Program::Entry& entry : program.entries) {
+      text += ".TP\n.B " + troff(entry.spec.path) + "\n" + troff(entry.spec.summary) + "\n";
+    }
+  }
+  text += ".SH OPTIONS\n" + describe_options(app);
+  text += ".SH NOTES\n.nf\n" + troff(app.get_footer()) + "\n.fi\n";
+  return text;
+}
+
+std::string bash_completion(const Program& program) {
+  std::string cases;
+  complete(program.app, "", cases);
+  return "# bash completion for kinemesh, generated from its own command line\n"
+         "_kinemesh() {\n"
+         "  local current=\"${COMP_WORDS[COMP_CWORD]}\" path=\"\" words i\n"
+         "  for ((i = 1; i < COMP_CWORD && i <= 2; i++)); do\n"
+         "    case \"${COMP_WORDS[i]}\" in -* | *.* | */*) break ;; esac\n"
+         "    path=\"${path:+$path }${COMP_WORDS[i]}\"\n"
+         "  done\n"
+         "  case \"$path\" in\n" +
+         cases +
+         "    *) path=\"${path%% *}\"; words=\"\" ;;\n"
+         "  esac\n"
+         "  COMPREPLY=($(compgen -W \"$words\" -- \"$current\"))\n"
+         "  [[ $current == -* ]] || COMPREPLY+=($(compgen -f -- \"$current\"))\n"
+         "}\n"
+         "complete -o filenames -F _kinemesh kinemesh\n";
+}
+
+}  // namespace kinemesh::cli
