@@ -102,7 +102,7 @@ void Cli11CommandLine::parameters(std::function<void(ParameterSet&)> declare) {
 void Cli11CommandLine::add_parameter(Parameter& p) {
   const std::string& title = set_.title(p.group());
   const std::string heading = title.empty() ? "Options" : title;
-  const std::string name = p.name();
+  const std::string& name = p.name();
   if (p.kind() == Parameter::Kind::boolean) {
     app_.add_flag_function(
             "--" + name + ",!--no-" + name,

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <ranges>
 #include <utility>
 
 #include "config/error.h"
@@ -114,8 +115,8 @@ OutputSet::~OutputSet() {
   if (committed_) return;
   files_.clear();
   std::error_code ignored;
-  for (auto it = created_folders_.rbegin(); it != created_folders_.rend(); ++it) {
-    fs::remove(*it, ignored);  // only when empty
+  for (const fs::path& folder : std::views::reverse(created_folders_)) {
+    fs::remove(folder, ignored);  // only when empty
   }
 }
 
