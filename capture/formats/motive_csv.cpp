@@ -113,7 +113,7 @@ MarkerSequence read_motive_csv(const TableText& text, const TableReadOptions& op
     return it == general.end() ? std::string() : it->second;
   };
   const HeaderRows rows = find_rows(text);
-  PointTable table;
+  FrameTable table;
   table.first_line = rows.axis_line + 1;
   table.points = find_points(rows);
   if (table.points.empty()) {
@@ -139,7 +139,7 @@ MarkerSequence read_motive_csv(const TableText& text, const TableReadOptions& op
   if (const auto count = parse_count(value("total exported frames"))) {
     table.declared_frames = static_cast<std::size_t>(*count);
   }
-  MarkerSequence take = read_point_table(text, table, options, ctx);
+  MarkerSequence take = read_frame_table(text, table, options, ctx);
   take.origin.unit = unit.empty() ? "m" : lower(unit);
   take.origin.manufacturer =
       "OptiTrack Motive (CSV format version " + value("format version") + ")";

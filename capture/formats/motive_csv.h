@@ -3,7 +3,7 @@
 // column, then one row per frame.
 #pragma once
 
-#include "capture/formats/point_table.h"
+#include "capture/formats/frame_table.h"
 #include "capture/marker_sequence.h"
 #include "config/run_context.h"
 

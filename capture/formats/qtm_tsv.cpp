@@ -83,7 +83,7 @@ void refuse_other_data(const TableText& text, const Header& header) {
 
 /// Column of the first coordinate: behind frame and time, as far as they were exported.
 std::size_t find_time_columns(const TableText& text, const Header& header, char separator,
-                              std::size_t marker_count, PointTable& table) {
+                              std::size_t marker_count, FrameTable& table) {
   if (header.column_names) {
     std::size_t column = 0;
     if (column < header.columns.size() && lower(header.columns[column]) == "frame") {
@@ -134,7 +134,7 @@ bool looks_like_qtm(std::string_view first_line) {
 MarkerSequence read_qtm(const TableText& text, const TableReadOptions& options,
                         const RunContext& ctx) {
   if (text.size() == 0) text.refuse(0, "the file is empty");
-  PointTable table;
+  FrameTable table;
   table.separator = separator_of(text[0]);
   const Header header = read_header(text, table.separator);
   refuse_other_data(text, header);
@@ -169,7 +169,7 @@ MarkerSequence read_qtm(const TableText& text, const TableReadOptions& options,
   if (const auto frames = parse_count(first_value(header, "NO_OF_FRAMES"))) {
     table.declared_frames = static_cast<std::size_t>(*frames);
   }
-  MarkerSequence take = read_point_table(text, table, options, ctx);
+  MarkerSequence take = read_frame_table(text, table, options, ctx);
   take.events = read_events(text, header, take.rate_hz);
   take.origin.manufacturer = "Qualisys Track Manager (TSV)";
   return take;

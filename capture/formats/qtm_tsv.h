@@ -3,7 +3,7 @@
 // without frame number and time and with or without a row of column names.
 #pragma once
 
-#include "capture/formats/point_table.h"
+#include "capture/formats/frame_table.h"
 #include "capture/marker_sequence.h"
 #include "config/run_context.h"
 

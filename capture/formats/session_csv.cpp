@@ -37,8 +37,7 @@ std::optional<MarkerKind> kind_from_name(std::string_view word) {
 
 class Writer {
  public:
-  Writer(const MarkerSequence& take, const std::filesystem::path& path)
-      : take_(take), file_(path) {}
+  Writer(const MarkerSequence& take, OutputFile& file) : take_(take), file_(file) {}
 
   void write(const RunContext& ctx) {
     write_comments();
@@ -47,7 +46,6 @@ class Writer {
       if (f % 1024 == 0) ctx.check_cancelled();
       write_frame(f);
     }
-    file_.commit();
   }
 
  private:
@@ -100,7 +98,7 @@ class Writer {
   }
 
   const MarkerSequence& take_;
-  OutputFile file_;
+  OutputFile& file_;
   std::string row_;
   std::array<char, 64> number_{};
 };
@@ -206,7 +204,7 @@ bool looks_like_session_csv(std::string_view first_line) {
 
 MarkerSequence read_session_csv(const TableText& text, const TableReadOptions& options,
                                 const RunContext& ctx) {
-  PointTable table;
+  FrameTable table;
   Comments comments = read_comments(text, table.separator);
   const std::vector<std::string> names = split_cells(text[comments.header_line], table.separator);
   table.first_line = comments.header_line + 1;
@@ -216,14 +214,13 @@ MarkerSequence read_session_csv(const TableText& text, const TableReadOptions& o
     if (names[c] == "time_s") table.time_column = c;
   }
   table.points = find_points(text, comments, names);
-  MarkerSequence take = read_point_table(text, table, options, ctx);
+  MarkerSequence take = read_frame_table(text, table, options, ctx);
   take.events = std::move(comments.events);
   return take;
 }
 
-void write_session_csv(const MarkerSequence& take, const std::filesystem::path& path,
-                       const RunContext& ctx) {
-  Writer(take, path).write(ctx);
+void write_session_csv(const MarkerSequence& take, OutputFile& file, const RunContext& ctx) {
+  Writer(take, file).write(ctx);
 }
 
 }  // namespace kinemesh

@@ -8,11 +8,11 @@
 //   frame,time_s,NAME.x,NAME.y,NAME.z,NAME.valid,NAME.residual,…
 #pragma once
 
-#include <filesystem>
 #include <string_view>
 
-#include "capture/formats/point_table.h"
+#include "capture/formats/frame_table.h"
 #include "capture/marker_sequence.h"
+#include "config/output_file.h"
 #include "config/run_context.h"
 
 namespace kinemesh {
@@ -28,7 +28,7 @@ MarkerSequence read_session_csv(const TableText& text, const TableReadOptions& o
 
 /// Every point with its coordinates in mm (angles, forces, … in their own unit), shortest decimal
 /// text that reads back the same. time_s counts from recorded frame 1, like event times.
-void write_session_csv(const MarkerSequence& take, const std::filesystem::path& path,
-                       const RunContext& ctx = {});
+/// The file is not committed.
+void write_session_csv(const MarkerSequence& take, OutputFile& file, const RunContext& ctx = {});
 
 }  // namespace kinemesh

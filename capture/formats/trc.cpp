@@ -93,7 +93,7 @@ MarkerSequence read_trc(const TableText& text, const TableReadOptions& options,
   if (labels_line == std::string::npos) {
     text.refuse(keys_line + 1, "the line of marker names, which begins with Frame#, is missing");
   }
-  PointTable table;
+  FrameTable table;
   table.separator = separator_of(text[labels_line]);
   const Header header = read_header(text, keys_line, separator_of(text[keys_line]));
   const std::size_t values_line = keys_line + 1;
@@ -133,7 +133,7 @@ MarkerSequence read_trc(const TableText& text, const TableReadOptions& options,
     if (!line.empty() && (line[0] == '-' || (line[0] >= '0' && line[0] <= '9'))) break;
     ++table.first_line;
   }
-  MarkerSequence take = read_point_table(text, table, options, ctx);
+  MarkerSequence take = read_frame_table(text, table, options, ctx);
   take.origin.unit = "mm";
   if (const auto unit = header.find("units"); unit != header.end()) take.origin.unit = unit->second;
   return take;

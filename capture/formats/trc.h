@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "capture/formats/point_table.h"
+#include "capture/formats/frame_table.h"
 #include "capture/marker_sequence.h"
 #include "config/run_context.h"
 

@@ -1,4 +1,4 @@
-#include "capture/formats/point_table.h"
+#include "capture/formats/frame_table.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,7 @@ struct Row {
 
 class TableReader {
  public:
-  TableReader(const TableText& text, const PointTable& table, const TableReadOptions& options,
+  TableReader(const TableText& text, const FrameTable& table, const TableReadOptions& options,
               const RunContext& ctx)
       : text_(text), table_(table), options_(options), ctx_(ctx) {}
 
@@ -205,7 +205,7 @@ class TableReader {
   }
 
   const TableText& text_;
-  const PointTable& table_;
+  const FrameTable& table_;
   const TableReadOptions& options_;
   const RunContext& ctx_;
   std::vector<Row> rows_;
@@ -214,7 +214,7 @@ class TableReader {
 
 }  // namespace
 
-MarkerSequence read_point_table(const TableText& text, const PointTable& table,
+MarkerSequence read_frame_table(const TableText& text, const FrameTable& table,
                                 const TableReadOptions& options, const RunContext& ctx) {
   if (table.points.empty()) {
     text.refuse(std::min(table.first_line, text.size()), "the table names no marker");

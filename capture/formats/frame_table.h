@@ -27,7 +27,7 @@ struct PointColumns {
 };
 
 /// Which part of a text is the table, and how to read it.
-struct PointTable {
+struct FrameTable {
   std::size_t first_line = 0;  ///< 0-based line of the first frame
   char separator = ',';
   double millimetres = 1.0;  ///< in one unit of length of the table
@@ -44,7 +44,7 @@ struct PointTable {
 /// and times that disagree. Throws InputError naming file and line for cells that are no numbers,
 /// frame numbers that do not ascend, a marker with only some coordinates, a table without rows,
 /// and a rate that cannot be known.
-MarkerSequence read_point_table(const TableText& text, const PointTable& table,
+MarkerSequence read_frame_table(const TableText& text, const FrameTable& table,
                                 const TableReadOptions& options, const RunContext& ctx);
 
 }  // namespace kinemesh
