@@ -30,4 +30,17 @@ Colour blue_white_red(double t) {
   return at < 0 ? mix(white, blue, -at) : mix(white, red, at);
 }
 
+Colour series_colour(std::size_t i) {
+  static constexpr std::array<uint32_t, 7> colours = {0x0072b2, 0xd55e00, 0x009e73, 0xe69f00,
+                                                      0xcc79a7, 0x56b4e9, 0x555555};
+  return colour_from_hex(colours[i % colours.size()]);
+}
+
+Colour ColourScale::operator()(double value) const {
+  if (std::isnan(value)) return colour_from_hex(0xb8bec4);
+  const double span = high - low;
+  const double t = span > 0.0 ? (value - low) / span : value > high ? 1.0 : 0.0;
+  return map == Map::sequential ? viridis(t) : blue_white_red(2.0 * t - 1.0);
+}
+
 }  // namespace kinemesh

@@ -1,7 +1,9 @@
 // Colours and colour maps for pictures and charts.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <string>
 
 namespace kinemesh {
 
@@ -21,5 +23,27 @@ Colour viridis(double t);
 Colour blue_white_red(double t);
 /// Linear mix of two colours; t = 0 gives a.
 Colour mix(const Colour& a, const Colour& b, double t);
+
+/// The i-th colour for lines and bars, after Okabe and Ito (2008): told apart with any kind of
+/// colour vision; repeats after seven.
+Colour series_colour(std::size_t i);
+/// Colours with one meaning in all pictures.
+constexpr Colour missing_colour = colour_from_hex(0xc0392b);
+constexpr Colour filled_colour = colour_from_hex(0xe07b00);
+constexpr Colour text_colour = colour_from_hex(0x1f2328);
+constexpr Colour muted_colour = colour_from_hex(0x59636e);
+constexpr Colour grid_colour = colour_from_hex(0xe3e7eb);
+
+/// How values become colours, and what they are: for meshes, strips and colour bars alike.
+struct ColourScale {
+  enum class Map { sequential, diverging };
+  Map map = Map::sequential;  ///< diverging: white lies midway between low and high
+  double low = 0.0;
+  double high = 1.0;
+  std::string label;  ///< "strain"
+  std::string unit;   ///< "mm", "%"; empty for a pure number
+  /// Values outside are clamped; NaN (no data) is grey.
+  Colour operator()(double value) const;
+};
 
 }  // namespace kinemesh
