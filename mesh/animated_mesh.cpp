@@ -11,6 +11,18 @@ AnimatedMesh::AnimatedMesh(std::shared_ptr<const Topology> topology, std::size_t
   positions_ = Buffer<float>(frame_count_ * vertex_count() * 3);
 }
 
+AnimatedMesh::AnimatedMesh(std::shared_ptr<const Topology> topology, std::size_t frame_count,
+                           double rate, Buffer<float> positions)
+    : rate_hz(rate),
+      topology_(std::move(topology)),
+      frame_count_(frame_count),
+      positions_(std::move(positions)) {
+  if (!topology_) throw InternalError("an animated mesh needs a topology");
+  if (positions_.size() != frame_count_ * vertex_count() * 3) {
+    throw InternalError("the number of positions does not fit frames and vertices");
+  }
+}
+
 MutableFrameView AnimatedMesh::frame(std::size_t f) {
   return {positions_.data() + 3 * sample(f, 0), static_cast<Eigen::Index>(vertex_count()), 3};
 }

@@ -37,6 +37,10 @@ class AnimatedMesh {
   AnimatedMesh() = default;
   /// Positions uninitialised. Throws InternalError when topology is null.
   AnimatedMesh(std::shared_ptr<const Topology> topology, std::size_t frame_count, double rate_hz);
+  /// Takes over `positions`, frames × vertices × 3 in mm. Throws InternalError when its size
+  /// differs.
+  AnimatedMesh(std::shared_ptr<const Topology> topology, std::size_t frame_count, double rate_hz,
+               Buffer<float> positions);
 
   const Topology& topology() const { return *topology_; }
   const std::shared_ptr<const Topology>& shared_topology() const { return topology_; }

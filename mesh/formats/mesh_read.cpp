@@ -1,0 +1,210 @@
+// Resolving a path to files, and reading them into one mesh.
+#include <algorithm>
+#include <system_error>
+
+#include "config/error.h"
+#include "config/parallel.h"
+#include "config/text.h"
+#include "mesh/formats/bytes.h"
+#include "mesh/formats/mesh_io.h"
+#include "mesh/formats/sequence.h"
+
+namespace kinemesh {
+namespace fs = std::filesystem;
+namespace {
+
+struct Input {
+  const Format* format = nullptr;
+  std::vector<NumberedFile> files;
+  bool numbered = false;
+};
+
+const Format& known_reader(const FormatRegistry& formats, const fs::path& path) {
+  const Format* format = formats.reader_for(path);
+  if (format != nullptr) return *format;
+  throw InputError({.what = path.has_extension()
+                                ? "no reader for files named *" + path.extension().string()
+                                : std::string("the name has no extension that tells the format"),
+                    .file = path.string(),
+                    .remedy = "Readable are " + join(formats.read_extensions(), ", ", " and ")});
+}
+
+std::vector<std::string> sequence_extensions(const FormatRegistry& formats) {
+  std::vector<std::string> all;
+  for (const Format& format : formats.formats()) {
+    if (!format.single_frame || !format.can_read()) continue;
+    all.insert(all.end(), format.extensions.begin(), format.extensions.end());
+  }
+  return all;
+}
+
+/// The positions of `path` (x.pc2 beside x.ply) when it is the geometry of an animation.
+fs::path animation_beside(const FormatRegistry& formats, const fs::path& path) {
+  const std::string extension = lower(path.extension().string());
+  for (const Format& format : formats.formats()) {
+    const auto& geometry = format.geometry_extensions;
+    if (!format.can_read() ||
+        std::find(geometry.begin(), geometry.end(), extension) == geometry.end()) {
+      continue;
+    }
+    fs::path beside = path;
+    beside.replace_extension(format.extensions.front());
+    std::error_code ignored;
+    if (fs::is_regular_file(beside, ignored)) return beside;
+  }
+  return path;
+}
+
+Input resolve(const FormatRegistry& formats, const fs::path& path) {
+  std::error_code ignored;
+  Input input;
+  if (fs::is_directory(path, ignored)) {
+    input.files = files_of_folder(path, sequence_extensions(formats));
+    input.numbered = true;
+  } else if (is_number_pattern(path) && !fs::exists(path, ignored)) {
+    input.files = files_of_pattern(path);
+    input.numbered = true;
+  } else {
+    input.files = {{animation_beside(formats, path), 0}};
+  }
+  input.format = &known_reader(formats, input.files.front().path);
+  if (input.numbered && !input.format->single_frame) {
+    throw InputError({.what = input.format->description + " holds a whole animation",
+                      .file = path.string(),
+                      .remedy = "Give one of its files"});
+  }
+  return input;
+}
+
+MeshData load(const Format& format, const fs::path& path, const ReadOptions& options,
+              const RunContext& ctx) {
+  if (format.read) return format.read(path, options, ctx);
+  const Buffer<std::byte> bytes = load_bytes(path);
+  return format.decode(bytes.span(), path.string());
+}
+
+/// Errors about a mesh (a face out of range) get the file's name.
+template <class Action>
+auto naming(const fs::path& path, Action action) {
+  try {
+    return action();
+  } catch (const InputError& e) {
+    if (!e.details().file.empty()) throw;
+    ErrorDetails details = e.details();
+    details.file = path.string();
+    throw InputError(details);
+  }
+}
+
+void require_same_topology(const MeshData& first, const MeshData& other, const Input& input,
+                           std::size_t i) {
+  if (other.vertex_count == first.vertex_count && other.faces == first.faces &&
+      other.frame_count == 1) {
+    return;
+  }
+  const bool counts = other.vertex_count != first.vertex_count;
+  throw InputError({.what = counts
+                                ? "it has " + count_of(other.vertex_count, "vertex", "vertices") +
+                                      ", the first file " + std::to_string(first.vertex_count)
+                                : std::string("its faces differ from those of the first file"),
+                    .file = input.files[i].path.string(),
+                    .remedy = "An animated mesh has one topology in all frames"});
+}
+
+/// Puts frame 0 of `from`, in the unit of `from`, at frame `f` of `into`.
+void place_frame(const MeshData& from, MeshData& into, std::size_t f) {
+  const double factor = millimetres_per(from.unit.value_or(LengthUnit::mm)) /
+                        millimetres_per(into.unit.value_or(LengthUnit::mm));
+  const auto copy = [factor](const Buffer<float>& source, float* target) {
+    if (factor == 1.0) {
+      std::copy_n(source.data(), source.size(), target);
+    } else {
+      std::transform(source.begin(), source.end(), target,
+                     [factor](float v) { return static_cast<float>(v * factor); });
+    }
+  };
+  copy(from.positions, into.positions.data() + 3 * f * into.vertex_count);
+  const std::size_t row = f * into.vertex_count;
+  if (!into.filled.empty() && !from.filled.empty()) {
+    std::copy_n(from.filled.data(), into.vertex_count, into.filled.data() + row);
+  }
+  if (!into.uncertainty.empty() && !from.uncertainty.empty()) {
+    copy(from.uncertainty, into.uncertainty.data() + row);
+  }
+}
+
+/// All files of a numbered sequence as one: what is said once is taken from the first file.
+MeshData load_sequence(const Input& input, const ReadOptions& options, const RunContext& ctx) {
+  MeshData first = load(*input.format, input.files[0].path, options, ctx);
+  MeshData all;
+  const std::size_t frames = input.files.size();
+  all.allocate(frames, first.vertex_count);
+  all.faces = first.faces;
+  if (!first.filled.empty()) all.filled = Buffer<uint8_t>(frames * first.vertex_count, 0);
+  if (!first.uncertainty.empty()) all.uncertainty = Buffer<float>(frames * first.vertex_count, 0);
+  all.unit = first.unit;
+  all.rate_hz = first.rate_hz;
+  all.first_frame = first.first_frame ? first.first_frame : input.files[0].number;
+  all.events = std::move(first.events);
+  all.vertex_names = std::move(first.vertex_names);
+  all.provenance = std::move(first.provenance);
+  all.polygons = first.polygons;
+  place_frame(first, all, 0);
+  parallel_for(ctx, frames - 1, 4, [&](std::size_t i) {
+    const MeshData frame = load(*input.format, input.files[i + 1].path, options, ctx);
+    require_same_topology(first, frame, input, i + 1);
+    place_frame(frame, all, i + 1);
+  });
+  return all;
+}
+
+}  // namespace
+
+AnimatedMesh read_animation(const FormatRegistry& formats, const fs::path& path,
+                            const ReadOptions& options, const RunContext& ctx) {
+  options.validate();
+  const Input input = resolve(formats, path);
+  const fs::path& first = input.files[0].path;
+  MeshData data = input.numbered ? load_sequence(input, options, ctx)
+                                 : load(*input.format, first, options, ctx);
+  return naming(first,
+                [&] { return to_animated_mesh(std::move(data), options, first.string(), ctx); });
+}
+
+MeshSequence read_mesh_sequence(const FormatRegistry& formats, const fs::path& path,
+                                const ReadOptions& options, const RunContext& ctx) {
+  options.validate();
+  const Input input = resolve(formats, path);
+  MeshSequence sequence;
+  if (!input.numbered) {
+    const AnimatedMesh mesh = read_animation(formats, path, options, ctx);
+    for (std::size_t f = 0; f < mesh.frame_count(); ++f) sequence.frames.push_back(mesh.mesh_at(f));
+    sequence.rate_hz = mesh.rate_hz;
+    return sequence;
+  }
+  std::shared_ptr<const Topology> previous;
+  for (const NumberedFile& file : input.files) {
+    ctx.check_cancelled();
+    MeshData data = load(*input.format, file.path, options, ctx);
+    if (sequence.frames.empty())
+      sequence.rate_hz = data.rate_hz > 0 ? data.rate_hz : options.rate_hz;
+    sequence.frames.push_back(naming(file.path, [&] {
+      return to_mesh(std::move(data), options, file.path.string(), previous, ctx);
+    }));
+    previous = sequence.frames.back().topology;
+    ctx.progress(static_cast<double>(sequence.frames.size()) /
+                 static_cast<double>(input.files.size()));
+  }
+  return sequence;
+}
+
+Mesh read_mesh(const FormatRegistry& formats, const fs::path& path, const ReadOptions& options,
+               const RunContext& ctx) {
+  options.validate();
+  const Format& format = known_reader(formats, path);
+  MeshData data = load(format, path, options, ctx);
+  return naming(path,
+                [&] { return to_mesh(std::move(data), options, path.string(), nullptr, ctx); });
+}
+
+}  // namespace kinemesh

@@ -1,0 +1,177 @@
+#include "mesh/formats/metadata.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include "mesh/formats/text_scanner.h"
+
+namespace kinemesh {
+namespace {
+
+std::string quoted(std::string_view text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    switch (c) {
+      case '"': out += "\\\""; break;
+      case '\\': out += "\\\\"; break;
+      case '\n': out += "\\n"; break;
+      case '\r': out += "\\r"; break;
+      case '\t': out += "\\t"; break;
+      default: out += c;
+    }
+  }
+  return out + '"';
+}
+
+/// Splits a line into words; quoted ones are unescaped.
+std::vector<std::string> words_of(std::string_view line) {
+  std::vector<std::string> words;
+  for (std::size_t i = 0; i < line.size();) {
+    if (line[i] == ' ' || line[i] == '\t') {
+      ++i;
+      continue;
+    }
+    std::string word;
+    if (line[i] != '"') {
+      while (i < line.size() && line[i] != ' ' && line[i] != '\t') word += line[i++];
+    } else {
+      for (++i; i < line.size() && line[i] != '"'; ++i) {
+        if (line[i] != '\\' || i + 1 == line.size()) {
+          word += line[i];
+          continue;
+        }
+        const char c = line[++i];
+        word += c == 'n' ? '\n' : c == 'r' ? '\r' : c == 't' ? '\t' : c;
+      }
+      ++i;
+    }
+    words.push_back(std::move(word));
+  }
+  return words;
+}
+
+template <class T>
+bool parse(std::string_view text, T& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+template <class T>
+std::string number(T value) {
+  std::string out;
+  append_number(out, value);
+  return out;
+}
+
+void add_provenance(const Provenance& provenance, std::vector<std::string>& lines) {
+  const auto add = [&lines](const char* key, const std::string& value) {
+    if (!value.empty()) lines.push_back("kinemesh " + std::string(key) + " " + quoted(value));
+  };
+  add("program", provenance.program);
+  add("command", provenance.command);
+  add("options", provenance.options);
+  add("source", provenance.source);
+  for (const Provenance::Input& input : provenance.inputs) {
+    lines.push_back("kinemesh input " + quoted(input.path) + " " + quoted(input.sha256));
+  }
+}
+
+void add_filled_runs(const AnimatedMesh& mesh, std::vector<std::string>& lines) {
+  const std::size_t vertices = mesh.vertex_count();
+  const auto filled = mesh.filled();
+  lines.emplace_back("kinemesh filled_known");
+  for (std::size_t v = 0; v < vertices; ++v) {
+    std::string line;
+    for (std::size_t f = 0; f < mesh.frame_count();) {
+      std::size_t end = f;
+      while (end < mesh.frame_count() && filled[end * vertices + v] != 0) ++end;
+      if (end > f) line += " " + std::to_string(f) + "-" + std::to_string(end - 1);
+      f = end + 1;
+    }
+    if (!line.empty()) lines.push_back("kinemesh filled " + std::to_string(v) + line);
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> metadata_lines(const AnimatedMesh& mesh, std::size_t frame,
+                                        const WriteOptions& options, const MetadataChoice& choice) {
+  std::vector<std::string> lines;
+  lines.push_back("kinemesh unit " + quoted(name_of(options.unit)));
+  if (mesh.rate_hz > 0) lines.push_back("kinemesh rate_hz " + number(mesh.rate_hz));
+  lines.push_back("kinemesh first_frame " + number(mesh.first_frame + static_cast<int64_t>(frame)));
+  if (choice.description) {
+    for (std::size_t v = 0; v < mesh.vertex_names.size(); ++v) {
+      lines.push_back("kinemesh vertex_name " + std::to_string(v) + " " +
+                      quoted(mesh.vertex_names[v]));
+    }
+    for (const Event& event : mesh.events) {
+      lines.push_back("kinemesh event " + number(event.time_s) + " " + quoted(event.label) + " " +
+                      quoted(event.context) + " " + quoted(event.subject));
+    }
+    add_provenance(mesh.provenance, lines);
+  }
+  if (choice.filled_runs && !mesh.filled().empty()) add_filled_runs(mesh, lines);
+  return lines;
+}
+
+void MetadataReader::read(std::string_view line) {
+  if (!line.starts_with("kinemesh ")) return;
+  const std::vector<std::string> words = words_of(line.substr(9));
+  if (words.empty()) return;
+  const std::string& key = words[0];
+  if (key == "filled_known" && !found_.filled_runs) found_.filled_runs.emplace();
+  if (words.size() < 2) return;
+  const std::string& value = words[1];
+  int64_t integer = 0;
+  double real = 0.0;
+  std::size_t vertex = 0;
+  if (key == "unit") {
+    found_.unit = length_unit_of(value);
+  } else if (key == "rate_hz" && parse(value, real) && real > 0 && real < 1e9) {
+    found_.rate_hz = real;
+  } else if (key == "first_frame" && parse(value, integer)) {
+    found_.first_frame = integer;
+  } else if (key == "vertex_name" && words.size() > 2 && parse(value, vertex)) {
+    names_.emplace_back(vertex, words[2]);
+  } else if (key == "event" && words.size() > 4 && parse(value, real)) {
+    found_.events.push_back({words[2], words[3], words[4], real});
+  } else if (key == "input" && words.size() > 2) {
+    found_.provenance.inputs.push_back({value, words[2]});
+  } else if (key == "program") {
+    found_.provenance.program = value;
+  } else if (key == "command") {
+    found_.provenance.command = value;
+  } else if (key == "options") {
+    found_.provenance.options = value;
+  } else if (key == "source") {
+    found_.provenance.source = value;
+  } else if (key == "filled" && found_.filled_runs && parse(value, vertex)) {
+    for (std::size_t i = 2; i < words.size(); ++i) {
+      const std::size_t dash = words[i].find('-');
+      FilledRun run{vertex, 0, 0};
+      if (dash != std::string::npos &&
+          parse(std::string_view(words[i]).substr(0, dash), run.first) &&
+          parse(std::string_view(words[i]).substr(dash + 1), run.last)) {
+        found_.filled_runs->push_back(run);
+      }
+    }
+  }
+}
+
+void MetadataReader::apply(MeshData& data) const {
+  if (found_.unit) data.unit = found_.unit;
+  if (found_.rate_hz > 0) data.rate_hz = found_.rate_hz;
+  if (found_.first_frame) data.first_frame = found_.first_frame;
+  if (!found_.events.empty()) data.events = found_.events;
+  data.provenance = found_.provenance;
+  if (!names_.empty() && data.vertex_names.empty()) {
+    data.vertex_names.resize(data.vertex_count);
+    for (const auto& [vertex, name] : names_) {
+      if (vertex < data.vertex_count) data.vertex_names[vertex] = name;
+    }
+  }
+  if (found_.filled_runs) data.filled_runs = found_.filled_runs;
+}
+
+}  // namespace kinemesh
