@@ -1,0 +1,174 @@
+// Every format that holds an animation or a numbered sequence gives back what was written.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "config/error.h"
+#include "mesh/formats/mesh_io.h"
+#include "tests/support/random_animation.h"
+#include "tests/support/temporary_folder.h"
+
+namespace kinemesh {
+namespace {
+
+using test::random_animation;
+using test::TemporaryFolder;
+
+const FormatRegistry& formats() {
+  static const FormatRegistry registry = builtin_mesh_formats();
+  return registry;
+}
+
+std::string message_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
+/// An output, what to give the reader, and how it is encoded.
+struct Case {
+  std::string write, read;
+  Encoding encoding = Encoding::binary;
+  std::string format{};
+};
+
+class RoundTrip : public testing::TestWithParam<Case> {};
+
+TEST_P(RoundTrip, GivesBackWhatTheFormatKeeps) {
+  const AnimatedMesh mesh = random_animation(5, 4, 7);
+  const TemporaryFolder folder;
+  const Case& c = GetParam();
+  const WriteResult result = write_animation(formats(), mesh, folder.path() / c.write,
+                                             {.format = c.format, .encoding = c.encoding});
+  const AnimatedMesh back = read_animation(formats(), folder.path() / c.read);
+  test::expect_same_positions(mesh, back);
+  test::expect_same_description(mesh, back);
+  const Keeps& keeps = formats().find(result.format)->keeps;
+  const auto same = [](auto a, auto b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end());
+  };
+  EXPECT_EQ(same(mesh.filled(), back.filled()), keeps.filled);
+  EXPECT_EQ(same(mesh.uncertainty(), back.uncertainty()), keeps.uncertainty);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Formats, RoundTrip,
+    testing::Values(Case{"a.ply", "a.ply"}, Case{"a.pc2", "a.ply"}, Case{"a.ply", "a.pc2"},
+                    Case{"a.ply", "a.ply", Encoding::ascii},
+                    Case{"a.ply", "a.pc2", Encoding::binary_big}, Case{"a.mdd", "a.mdd"},
+                    Case{"a.mdd", "a.ply"}, Case{"a_####.ply", "a_####.ply"},
+                    Case{"a_####.ply", "a_%04d.ply", Encoding::ascii},
+                    Case{"new/folder/a_####.ply", "new/folder", Encoding::binary_big},
+                    Case{"a.obj", "a_####.obj"}, Case{"b_##.obj", "b_#.obj"},
+                    Case{"frames/", "frames", Encoding::binary, "ply-sequence"},
+                    Case{"frames", "frames", Encoding::binary, "obj"},
+                    Case{"a.off", "a_####.off"}));
+
+TEST(Formats, SequencesAreNumberedByTheTakesFrames) {
+  const AnimatedMesh mesh = random_animation(3, 3, 3);
+  const TemporaryFolder folder;
+  EXPECT_EQ(write_animation(formats(), mesh, folder.path() / "a.obj").files.front(),
+            folder.path() / "a_1207.obj");
+  EXPECT_EQ(write_animation(formats(), mesh, folder.path() / "b_######.ply",
+                            {.frames = "1207:1209:2", .first_number = 0})
+                .files,
+            (std::vector{folder.path() / "b_000000.ply", folder.path() / "b_000001.ply"}));
+}
+
+TEST(Formats, OneFrameIsOneFile) {
+  const AnimatedMesh mesh = random_animation(3, 3, 3);
+  const TemporaryFolder folder;
+  const WriteResult result =
+      write_animation(formats(), mesh, folder.path() / "one.ply", {.frames = "1208"});
+  EXPECT_EQ(result.files, std::vector{folder.path() / "one.ply"});
+  const AnimatedMesh back = read_animation(formats(), folder.path() / "one.ply");
+  ASSERT_EQ(back.frame_count(), 1U);
+  EXPECT_EQ(back.first_frame, 1208);
+  for (VertexIndex v = 0; v < 9; ++v) EXPECT_EQ(back.position(0, v), mesh.position(1, v));
+}
+
+TEST(Formats, UnitsAreConvertedAndAskedFor) {
+  const AnimatedMesh mesh = test::smooth_animation(4, 4, 2, 60.0);
+  const TemporaryFolder folder;
+  write_animation(formats(), mesh, folder.path() / "m.ply", {.unit = LengthUnit::m});
+  const AnimatedMesh said =
+      read_animation(formats(), folder.path() / "m.ply", {.unit = LengthUnit::foot});
+  EXPECT_NEAR(said.position(1, 5).x(), mesh.position(1, 5).x(), 1e-5);
+  write_file(folder.path() / "unknown.obj", "v 1 2 3\nv 0 0 0\nv 1 0 0\nf 1 2 3\n");
+  const AnimatedMesh cm = read_animation(formats(), folder.path() / "unknown.obj",
+                                         {.unit = LengthUnit::cm, .rate_hz = 25});
+  EXPECT_EQ(cm.position(0, 0), Eigen::Vector3f(10, 20, 30));
+  EXPECT_EQ(cm.rate_hz, 25.0);
+}
+
+TEST(Formats, DifferingTopologyIsASequenceButNoAnimation) {
+  const TemporaryFolder folder;
+  MeshSequence sequence;
+  sequence.rate_hz = 30;
+  for (const uint32_t size : {3U, 4U, 4U, 5U}) {
+    sequence.frames.push_back(random_animation(size, 3, 1).mesh_at(0));
+  }
+  write_mesh_sequence(formats(), sequence, folder.path() / "s_####.ply");
+  const MeshSequence back = read_mesh_sequence(formats(), folder.path());
+  ASSERT_EQ(back.frames.size(), 4U);
+  EXPECT_EQ(back.rate_hz, 30.0);
+  for (std::size_t f = 0; f < 4; ++f) {
+    EXPECT_EQ(back.frames[f].positions, sequence.frames[f].positions);
+    EXPECT_EQ(*back.frames[f].topology, *sequence.frames[f].topology);
+  }
+  EXPECT_EQ(back.frames[1].topology, back.frames[2].topology);  // shared
+  EXPECT_EQ(message_of([&] { read_animation(formats(), folder.path()); }),
+            (folder.path() / "s_0002.ply").string() +
+                ": it has 12 vertices, the first file 9. An animated mesh has one topology in all "
+                "frames");
+}
+
+TEST(Formats, WrongPathsAndFormatsAreExplained) {
+  const AnimatedMesh mesh = random_animation(3, 3, 2);
+  const TemporaryFolder folder;
+  const auto writing = [&](const std::string& name, const std::string& format) {
+    return message_of(
+        [&] { write_animation(formats(), mesh, folder.path() / name, {.format = format}); });
+  };
+  EXPECT_NE(writing("a.xyz", "").find("no writer for files named like 'a.xyz'"), std::string::npos);
+  EXPECT_NE(writing("a.ply", "objj").find("Did you mean 'obj'?"), std::string::npos);
+  EXPECT_NE(writing("a.obj", "ply").find("End it with .ply"), std::string::npos);
+  EXPECT_NE(writing("missing/a.pc2", "").find("cannot write"), std::string::npos);
+  EXPECT_EQ(folder.entry_count(), 0U);
+  const auto reading = [&](const std::string& name) {
+    return message_of([&] { read_animation(formats(), folder.path() / name); });
+  };
+  EXPECT_NE(reading("none.ply").find("No such file"), std::string::npos);
+  EXPECT_NE(reading("a.xyz").find("no reader for files named *.xyz"), std::string::npos);
+  EXPECT_NE(reading("a_##.ply").find("no file matches"), std::string::npos);
+  EXPECT_NE(reading("").find("holds no numbered mesh files"), std::string::npos);
+  EXPECT_THROW(write_animation(formats(), mesh, folder.path() / "a.ply", {.frames = "1:2"}),
+               UsageError);
+  EXPECT_THROW(write_animation(formats(), mesh, folder.path() / "a.ply", {.frames = "x"}),
+               UsageError);
+}
+
+TEST(Formats, OlderFilesOfASequenceAreMentioned) {
+  const TemporaryFolder folder;
+  write_animation(formats(), random_animation(3, 3, 5), folder.path() / "a_####.obj",
+                  {.first_number = 1});
+  const WriteResult second = write_animation(formats(), random_animation(3, 3, 2),
+                                             folder.path() / "a_####.obj", {.first_number = 1});
+  ASSERT_EQ(second.report.notes.size(), 1U);
+  EXPECT_NE(second.report.notes[0].find("3 older files"), std::string::npos);
+}
+
+TEST(Formats, PositionsThatAreNoNumbersAreRefused) {
+  const TemporaryFolder folder;
+  write_file(folder.path() / "a.obj", "v 1 2 3\nv 0 nan 0\nv 1 0 0\nf 1 2 3\n");
+  EXPECT_EQ(message_of([&] { read_animation(formats(), folder.path() / "a.obj"); }),
+            (folder.path() / "a.obj").string() +
+                ": vertex 1 (0-based): the position is not a finite number. Fill the gap, or leave "
+                "the vertex out");
+}
+
+}  // namespace
+}  // namespace kinemesh
