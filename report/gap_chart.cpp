@@ -66,7 +66,7 @@ class GapChartPainter {
         return sums_[a].frames > sums_[b].frames;
       });
     }
-    for (const GapKind& kind : chart.kinds) legend_.push_back({kind.label, kind.colour});
+    for (const GapStyle& kind : chart.kinds) legend_.push_back({kind.label, kind.colour});
     legend_.insert(legend_.begin(), {"measured", measured()});
     lay_out(width);
   }
@@ -247,7 +247,7 @@ class GapChartPainter {
 
 }  // namespace
 
-std::vector<GapKind> default_gap_kinds() {
+std::vector<GapStyle> default_gap_styles() {
   return {{"missing", missing_colour},
           {"filled by spline", colour_from_hex(0x0072b2)},
           {"estimated from other markers", colour_from_hex(0xe69f00)},

@@ -12,12 +12,12 @@
 namespace kinemesh {
 
 /// What happened to samples; intervals refer to it by index.
-struct GapKind {
+struct GapStyle {
   std::string label;  ///< for the legend: "filled by spline"
   Colour colour;
 };
 /// 0 missing, 1 filled by spline, 2 estimated from other markers, 3 repaired.
-std::vector<GapKind> default_gap_kinds();
+std::vector<GapStyle> default_gap_styles();
 
 struct GapInterval {
   std::size_t begin = 0;  ///< first frame, 0-based
@@ -35,7 +35,7 @@ struct GapChart {
   std::string title = "Gaps over time";
   std::string subtitle;  ///< the take; may be empty
   std::vector<Row> markers;
-  std::vector<GapKind> kinds = default_gap_kinds();
+  std::vector<GapStyle> kinds = default_gap_styles();
   std::size_t frame_count = 0;
   double rate_hz = 0.0;     ///< 0 when unknown: the axis then counts frames only
   int64_t first_frame = 1;  ///< number of frame 0 as the user knows it
