@@ -15,6 +15,9 @@ constexpr std::string_view repair = "kinemesh c3d check --repair -o OUT writes a
 constexpr std::string_view nothing = "Nothing needs to be done";
 
 constexpr auto kinds = std::to_array<C3dFindingKind>({
+    // The whole file
+    {"C3D001", error, "The file cannot be read",
+     "Give another copy of the file; --repair cannot help where nothing can be read"},
     // Header
     {"C3D101", warning, "The second byte of the header is not 80, the key of C3D files", repair},
     {"C3D102", error, "Zero bytes precede the header", repair},
@@ -102,6 +105,37 @@ constexpr auto kinds = std::to_array<C3dFindingKind>({
      repair},
     {"C3D602", warning, "An event lies outside the recording", "Check its time"},
     {"C3D603", warning, "The SUBJECTS group's arrays differ in length", repair},
+    // Worth a second look, though read without doubt
+    {"C3D701", warning, "Markers are not measured in any frame",
+     "Check the labelling; leave these markers out of what follows"},
+    {"C3D702", info, "Markers are missing in more than half of the frames",
+     "Check the labelling; gap filling has little to go by"},
+    {"C3D703", info,
+     "All residuals are 0: the positions were interpolated, edited or generated, or the software "
+     "does not write residuals",
+     nothing},
+    {"C3D704", warning, "The frame rate is unusual", "Check POINT:RATE against the recording"},
+    {"C3D705", warning, "The extent of the markers does not fit the length unit",
+     "Check POINT:UNITS; where it is missing, say the unit with --missing-unit"},
+    {"C3D706", warning, "Positions lie at the limit of what the integers can hold",
+     "Export the file again with a larger scale or as floats"},
+    {"C3D707", info, "The integer step is coarser than 0.5 mm",
+     "Export the file again as floats where more precision is needed"},
+    {"C3D708", info, "Markers repeat exactly one position for a second or longer",
+     "Check that these frames were measured"},
+    {"C3D709", warning, "An event stands twice in the file", "Remove one of the two"},
+    {"C3D710", warning, "The FORCE_PLATFORM group describes fewer plates than it says",
+     "Export the file again with the force plates' calibration"},
+    {"C3D711", warning, "The FORCE_PLATFORM group names analog channels that do not exist",
+     "Export the file again with its analog data"},
+    // Second opinion
+    {"C3D801", info, "ezc3d does not support this kind of file and was not asked", nothing},
+    {"C3D802", info, "ezc3d reads something differently, and is known to be wrong there", nothing},
+    {"C3D803", warning,
+     "ezc3d reads something differently, and neither reader is known to be wrong there",
+     "Look at the values named in both programs"},
+    {"C3D804", warning, "ezc3d refuses the file, though nothing wrong was found",
+     "Programs that use ezc3d will not read this file"},
 });
 
 }  // namespace

@@ -27,7 +27,8 @@ struct C3dFinding {
 };
 
 /// One row of the table of all codes. The hundreds digit says where: 1 header, 2 parameter
-/// section, 3 layout and frame counts, 4 points and labels, 5 analog, 6 events and subjects.
+/// section, 3 layout and frame counts, 4 points and labels, 5 analog, 6 events and subjects, 7 what
+/// is read without doubt yet worth a look, 8 the second opinion of ezc3d; 0 is the whole file.
 struct C3dFindingKind {
   std::string_view code;
   Severity severity;
