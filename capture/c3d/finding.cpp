@@ -43,6 +43,7 @@ constexpr auto kinds = std::to_array<C3dFindingKind>({
     {"C3D210", error, "The parameter section runs into the data section", repair},
     {"C3D211", warning, "A record's pointer skips bytes behind its end", repair},
     {"C3D212", warning, "The parameter section is absurdly long; reading it stopped", repair},
+    {"C3D213", warning, "The last record's pointer leads out of the section", repair},
     // Layout and frame counts
     {"C3D301", error, "Header and parameters disagree on the number of frames", repair},
     {"C3D302", error, "The file ends before its last frame",

@@ -14,7 +14,7 @@ namespace kinemesh {
 struct C3dHeaderEvent {
   std::string label;  ///< up to four characters
   double time_s = 0.0;
-  bool shown = true;
+  uint8_t display_flag = 1;  ///< as stored; writers differ on whether 0 or 1 shows the event
   friend bool operator==(const C3dHeaderEvent&, const C3dHeaderEvent&) = default;
 };
 

@@ -1,0 +1,21 @@
+// The ezc3d library as a second reader, for comparison. Nothing else in Kinemesh uses ezc3d.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "capture/c3d/reader.h"
+
+namespace kinemesh {
+
+/// Why ezc3d cannot read a file that our reader read into `result`; empty when it can. It runs
+/// only on what is healthy: damaged files crash it, hang it or exhaust the memory.
+std::string ezc3d_refusal(const C3dReadResult& result);
+
+/// Replaces positions, flags and analog values of `result` by what ezc3d reads from the file.
+/// Residuals and camera masks become 0: ezc3d 1.7.2 exchanges them. Throws InputError when
+/// ezc3d_refusal() is not empty or ezc3d fails.
+void reread_with_ezc3d(const std::filesystem::path& path, const C3dReadOptions& options,
+                       C3dReadResult& result);
+
+}  // namespace kinemesh
