@@ -7,7 +7,9 @@
   FORMAT(pc2)                         \
   FORMAT(mdd)                         \
   FORMAT(obj)                         \
-  FORMAT(off)
+  FORMAT(off)                         \
+  FORMAT(vtp)                         \
+  FORMAT(pvd)
 
 namespace kinemesh {
 

@@ -3,9 +3,9 @@
 #include <system_error>
 
 #include "config/error.h"
-#include "config/parallel.h"
 #include "config/text.h"
 #include "mesh/formats/bytes.h"
+#include "mesh/formats/join_frames.h"
 #include "mesh/formats/mesh_io.h"
 #include "mesh/formats/sequence.h"
 
@@ -96,65 +96,20 @@ auto naming(const fs::path& path, Action action) {
   }
 }
 
-void require_same_topology(const MeshData& first, const MeshData& other, const Input& input,
-                           std::size_t i) {
-  if (other.vertex_count == first.vertex_count && other.faces == first.faces &&
-      other.frame_count == 1) {
-    return;
-  }
-  const bool counts = other.vertex_count != first.vertex_count;
-  throw InputError({.what = counts
-                                ? "it has " + count_of(other.vertex_count, "vertex", "vertices") +
-                                      ", the first file " + std::to_string(first.vertex_count)
-                                : std::string("its faces differ from those of the first file"),
-                    .file = input.files[i].path.string(),
-                    .remedy = "An animated mesh has one topology in all frames"});
-}
-
-/// Puts frame 0 of `from`, in the unit of `from`, at frame `f` of `into`.
-void place_frame(const MeshData& from, MeshData& into, std::size_t f) {
-  const double factor = millimetres_per(from.unit.value_or(LengthUnit::mm)) /
-                        millimetres_per(into.unit.value_or(LengthUnit::mm));
-  const auto copy = [factor](const Buffer<float>& source, float* target) {
-    if (factor == 1.0) {
-      std::copy_n(source.data(), source.size(), target);
-    } else {
-      std::transform(source.begin(), source.end(), target,
-                     [factor](float v) { return static_cast<float>(v * factor); });
-    }
-  };
-  copy(from.positions, into.positions.data() + 3 * f * into.vertex_count);
-  const std::size_t row = f * into.vertex_count;
-  if (!into.filled.empty() && !from.filled.empty()) {
-    std::copy_n(from.filled.data(), into.vertex_count, into.filled.data() + row);
-  }
-  if (!into.uncertainty.empty() && !from.uncertainty.empty()) {
-    copy(from.uncertainty, into.uncertainty.data() + row);
-  }
-}
-
-/// All files of a numbered sequence as one: what is said once is taken from the first file.
+/// All files of a numbered sequence as one.
 MeshData load_sequence(const Input& input, const ReadOptions& options, const RunContext& ctx) {
-  MeshData first = load(*input.format, input.files[0].path, options, ctx);
-  MeshData all;
-  const std::size_t frames = input.files.size();
-  all.allocate(frames, first.vertex_count);
-  all.faces = first.faces;
-  if (!first.filled.empty()) all.filled = Buffer<uint8_t>(frames * first.vertex_count, 0);
-  if (!first.uncertainty.empty()) all.uncertainty = Buffer<float>(frames * first.vertex_count, 0);
-  all.unit = first.unit;
-  all.rate_hz = first.rate_hz;
-  all.first_frame = first.first_frame ? first.first_frame : input.files[0].number;
-  all.events = std::move(first.events);
-  all.vertex_names = std::move(first.vertex_names);
-  all.provenance = std::move(first.provenance);
-  all.polygons = first.polygons;
-  place_frame(first, all, 0);
-  parallel_for(ctx, frames - 1, 4, [&](std::size_t i) {
-    const MeshData frame = load(*input.format, input.files[i + 1].path, options, ctx);
-    require_same_topology(first, frame, input, i + 1);
-    place_frame(frame, all, i + 1);
-  });
+  MeshData all = join_frames(
+      input.files.size(),
+      [&](std::size_t i) { return load(*input.format, input.files[i].path, options, ctx); },
+      [&](std::size_t i) { return input.files[i].path.string(); }, ctx);
+  if (!all.first_frame) all.first_frame = input.files[0].number;
+  const auto& files = input.files;
+  const auto missing = static_cast<std::size_t>(files.back().number - files.front().number) + 1;
+  if (missing != files.size() && (missing - 1) % (files.size() - 1) != 0) {
+    ctx.warn(files.front().path.string() + ": the numbers of the sequence have gaps: " +
+             count_of(files.size(), "file") + " from " + std::to_string(files.front().number) +
+             " to " + std::to_string(files.back().number) + " are taken as consecutive frames");
+  }
   return all;
 }
 

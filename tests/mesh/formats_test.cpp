@@ -64,8 +64,9 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"new/folder/a_####.ply", "new/folder", Encoding::binary_big},
                     Case{"a.obj", "a_####.obj"}, Case{"b_##.obj", "b_#.obj"},
                     Case{"frames/", "frames", Encoding::binary, "ply-sequence"},
-                    Case{"frames", "frames", Encoding::binary, "obj"},
-                    Case{"a.off", "a_####.off"}));
+                    Case{"frames", "frames", Encoding::binary, "obj"}, Case{"a.off", "a_####.off"},
+                    Case{"a.pvd", "a.pvd"}, Case{"a.pvd", "a_frames", Encoding::ascii},
+                    Case{"a_####.vtp", "a_####.vtp", Encoding::binary_big}));
 
 TEST(Formats, SequencesAreNumberedByTheTakesFrames) {
   const AnimatedMesh mesh = random_animation(3, 3, 3);
