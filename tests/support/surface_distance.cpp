@@ -19,31 +19,48 @@ SurfaceDistance::Label SurfaceDistance::along(VertexIndex a, VertexIndex c) cons
   return label;
 }
 
+/// Distance of the apex of a triangle over the base from 0 to `length`, whose ends lie `da` and
+/// `db` from a source on the other side; unreached when the straight path misses the base.
+double SurfaceDistance::unfold(double da, double db, double length, double cx, double cy) {
+  const double sx = (da * da - db * db + length * length) / (2 * length);
+  const double sy = std::sqrt(std::max(0.0, da * da - sx * sx));
+  const double crossing = sy + cy > 0 ? sx + (cx - sx) * sy / (sy + cy) : sx;
+  const double slack = 1e-9 * length;
+  if (crossing < -slack || crossing > length + slack) return unreached;
+  return std::hypot(cx - sx, cy + sy);
+}
+
 /// Distance of c through the edge a–b of their triangle, from the source's image in its plane.
 SurfaceDistance::Label SurfaceDistance::across(VertexIndex a, VertexIndex b, VertexIndex c) const {
-  const Label& la = labels_[a];
-  const Label& lb = labels_[b];
-  const Eigen::Vector3d &pa = surface_.positions[a], &pb = surface_.positions[b];
-  const Eigen::Vector3d ab = pb - pa, ac = surface_.positions[c] - pa;
+  const Label &la = labels_[a], &lb = labels_[b];
+  const auto& p = surface_.positions;
+  const Eigen::Vector3d ab = p[b] - p[a], ac = p[c] - p[a];
   const double length = ab.norm();
-  const bool same = la.root == lb.root;
-  const double bend = same ? la.bend : 0.0;
-  const double da = la.distance - bend, db = lb.distance - bend;
-  if (length > 0) {
-    const double cx = ac.dot(ab) / length;
-    const double cy = std::sqrt(std::max(0.0, ac.squaredNorm() - cx * cx));
-    const double sx = (da * da - db * db + length * length) / (2 * length);
-    const double sy = std::sqrt(std::max(0.0, da * da - sx * sx));
-    const double crossing = sy + cy > 0 ? sx + (cx - sx) * sy / (sy + cy) : sx;
-    const double slack = 1e-9 * length;
-    if (crossing >= -slack && crossing <= length + slack) {
-      const VertexIndex root = same || la.distance < lb.distance ? la.root : lb.root;
-      const double kept = same || la.distance < lb.distance ? la.bend : lb.bend;
-      return {bend + std::hypot(cx - sx, cy + sy), kept, root};
-    }
+  Label best = along(a, c);
+  const auto consider = [&](const Label& label) {
+    if (label.distance < best.distance) best = label;
+  };
+  consider(along(b, c));
+  if (length == 0) return best;
+  const double cx = ac.dot(ab) / length;
+  const double cy = std::sqrt(std::max(0.0, ac.squaredNorm() - cx * cx));
+  const auto from_root = [&](double da, double db, double bend, VertexIndex root) {
+    consider({bend + unfold(da, db, length, cx, cy), bend, root});
+  };
+  if (la.root == lb.root) {
+    from_root(la.distance - la.bend, lb.distance - lb.bend, la.bend, la.root);
+    return best;
   }
-  const Label by_a = along(a, c), by_b = along(b, c);
-  return by_a.distance <= by_b.distance ? by_a : by_b;
+  // At the border of a shadow: one path is straight and the other bent. Both ends count as seen
+  // straight, and as seen from the bend, when that is near enough for a chord to be its distance.
+  from_root(la.distance, lb.distance, 0, invalid_index);
+  constexpr double near_mm = 15;
+  for (const Label* bent : {&la, &lb}) {
+    if (bent->root == invalid_index) continue;
+    const double da = (p[a] - p[bent->root]).norm(), db = (p[b] - p[bent->root]).norm();
+    if (std::max(da, db) < near_mm) from_root(da, db, bent->bend, bent->root);
+  }
+  return best;
 }
 
 void SurfaceDistance::offer(VertexIndex v, const Label& label, double radius) {

@@ -32,6 +32,7 @@ class SurfaceDistance {
     double bend = 0;                   // distance at which the path last bent
     VertexIndex root = invalid_index;  // the boundary vertex where it bent
   };
+  static double unfold(double da, double db, double length, double cx, double cy);
   Label across(VertexIndex a, VertexIndex b, VertexIndex c) const;
   Label along(VertexIndex a, VertexIndex c) const;
   void offer(VertexIndex v, const Label& label, double radius);
