@@ -1,0 +1,87 @@
+#include "mesh/geodesics/path_tracing.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kinemesh::geodesics {
+namespace {
+
+double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+/// A point on the way, with the origin, both in the frame of a halfedge that the way back enters.
+struct Position {
+  HalfedgeIndex halfedge;
+  Eigen::Vector2d here, origin;
+};
+
+/// Whether the origin lies in the face of the halfedge, at the place where it should be.
+bool at_origin(const UnfoldedMesh& mesh, const Position& p, const SurfacePoint& origin,
+               VertexIndex vertex) {
+  const Frame& frame = mesh.frame(p.halfedge);
+  const double tolerance = 1e-6 * (frame.length + frame.left_length + frame.right_length);
+  Eigen::Vector2d place;
+  if (vertex != invalid_index) {
+    if (frame.v3 == vertex) {
+      place = {frame.px, frame.py};
+    } else if (frame.v1 == vertex) {
+      place = {0.0, 0.0};
+    } else if (frame.v2 == vertex) {
+      place = {frame.length, 0.0};
+    } else {
+      return false;
+    }
+  } else {
+    if (mesh.original_face(p.halfedge / 3) != origin.face) return false;
+    place = mesh.in_frame(p.halfedge, origin.weights);
+  }
+  return (place - p.origin).norm() <= tolerance;
+}
+
+/// Leaves the face of p.halfedge towards the origin. False at a border.
+bool next_face(const UnfoldedMesh& mesh, Position& p, std::vector<SurfacePoint>& points) {
+  const Frame& frame = mesh.frame(p.halfedge);
+  const Eigen::Vector2d apex(frame.px, frame.py), way = p.origin - p.here;
+  const bool left = cross(way, apex - p.here) <= 0.0;  // the apex lies right of the way
+  const HalfedgeIndex entered = left ? frame.left : frame.right;
+  if (entered == invalid_index) return false;
+  const Eigen::Vector2d corner = left ? Eigen::Vector2d::Zero() : apex;
+  const Eigen::Vector2d axis = left ? Eigen::Vector2d(frame.cos_left, frame.sin_left)
+                                    : Eigen::Vector2d(frame.cos_right, -frame.sin_right);
+  const double length = left ? frame.left_length : frame.right_length;
+  const double slope = cross(axis, way);
+  double along = slope != 0.0 ? cross(p.here - corner, way) / slope : 0.0;
+  along = std::isfinite(along) ? std::clamp(along, 0.0, length) : 0.0;
+  const Eigen::Vector2d crossing = corner + along * axis;
+  points.push_back(mesh.to_surface_point(p.halfedge, crossing));
+  const Eigen::Vector2d to_origin = p.origin - corner;
+  p = {entered, {along, 0.0}, {axis.dot(to_origin), cross(axis, to_origin)}};
+  return true;
+}
+
+}  // namespace
+
+bool trace_straight(const UnfoldedMesh& mesh, const Eigen::Vector2d& start,
+                    const GeodesicArrival& arrival, const SurfacePoint& origin, VertexIndex vertex,
+                    std::vector<SurfacePoint>& points) {
+  const Frame& first = mesh.frame(arrival.halfedge);
+  const double depth = arrival.y + start.y();
+  const double crossing =
+      depth > 0.0 ? start.x() + (arrival.x - start.x()) * start.y() / depth : start.x();
+  const Eigen::Vector2d on_edge(std::clamp(crossing, 0.0, first.length), 0.0);
+  points.push_back(mesh.to_surface_point(arrival.halfedge, on_edge));
+  Position p{mesh.twin(arrival.halfedge),
+             {first.length - on_edge.x(), 0.0},
+             {first.length - arrival.x, arrival.y}};
+  for (std::size_t steps = 0; steps < 4 * mesh.face_count() + 16; ++steps) {
+    if (at_origin(mesh, p, origin, vertex)) {
+      points.push_back(origin);
+      return true;
+    }
+    if (!next_face(mesh, p, points)) return false;
+  }
+  return false;
+}
+
+}  // namespace kinemesh::geodesics

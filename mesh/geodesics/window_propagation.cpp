@@ -1,0 +1,285 @@
+#include "mesh/geodesics/window_propagation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace kinemesh::geodesics {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+/// A path must be longer than another by this factor to count as dominated: rounding must never
+/// remove both of two equal paths.
+constexpr double clearly = 1.0 + 1e-12;
+/// A vertex this close to a window's end (over the edge's length) is seen by the window. Two
+/// windows that share an end at a vertex would else both miss it; the error is of second order.
+constexpr double end_tolerance = 1e-10;
+/// Windows narrower than this (over the edge's length) have no inside left.
+constexpr double least_width = 1e-14;
+/// Edges within this angle (radians) of a sector belong to it.
+constexpr double sector_tolerance = 1e-11;
+
+double length_of(double x, double y) { return std::sqrt(x * x + y * y); }
+
+/// Distance from the window's origin to the nearest point of its interval.
+double nearest_point(const Window& w) {
+  const double beside = w.x < w.low ? w.low - w.x : w.x > w.high ? w.x - w.high : 0.0;
+  return w.offset + length_of(beside, w.y);
+}
+
+}  // namespace
+
+/// The part of a window that leaves a triangle over one side, seen from the end that side shares
+/// with the edge entered through ("base"): lengths along the edge count from there, so that left
+/// and right are the same computation.
+struct WindowPropagation::Side {
+  double cos, sin, length;  // of the side, from the base
+  double near, far;         // the interval on the edge entered through
+  bool to_apex;             // the interval reaches the apex, `far` does not matter
+  double x, y;              // the origin at (x, −y)
+  double edge_length;       // from the base to the vertex behind
+  double base_distance, apex_distance, back_distance;
+};
+
+WindowPropagation::WindowPropagation(const UnfoldedMesh& mesh)
+    : mesh_(mesh),
+      distances_(mesh.vertex_count(), infinity),
+      directions_(mesh.vertex_count(), 0.0),
+      arrivals_(mesh.vertex_count()),
+      occupants_(3 * mesh.face_count()),
+      spotted_faces_(mesh.face_count(), 0) {}
+
+void WindowPropagation::forget() {
+  distances_.resize(mesh_.vertex_count());
+  for (const VertexIndex v : reached_) distances_[v] = infinity;
+  for (const HalfedgeIndex h : occupied_) occupants_[h] = {};
+  for (const Spot& spot : spots_) spotted_faces_[spot.face] = 0;
+  reached_.clear();
+  occupied_.clear();
+  spots_.clear();
+  source_vertices_.clear();
+  windows_ = 0;
+  const double mean = mesh_.mean_length();
+  queue_.reset(mean > 0.0 ? 0.5 * mean : 1.0);
+}
+
+void WindowPropagation::run(std::span<const SurfacePoint> sources,
+                            std::span<const SurfacePoint> targets, double radius,
+                            const RunContext* ctx) {
+  forget();
+  radius_ = radius;
+  for (uint32_t s = 0; s < sources.size(); ++s) place_source(sources[s], s);
+  place_spots(targets);
+  while (queue_.advance()) {
+    if (ctx != nullptr) ctx->check_cancelled();
+    for (std::size_t i = 0; i < queue_.bucket().size(); ++i) {
+      const Window window = queue_.bucket()[i];
+      if (window.offset > distances_[window.origin]) continue;  // its origin is nearer by now
+      if (window.halfedge == invalid_index) {
+        bend_paths(window.origin, window.offset);
+      } else {
+        propagate(window);
+      }
+    }
+    queue_.clear_bucket();
+  }
+  finish_targets(targets);
+}
+
+void WindowPropagation::reach(VertexIndex v, double distance, double direction,
+                              const GeodesicArrival& arrival) {
+  if (!(distance < distances_[v])) return;
+  if (distances_[v] == infinity) reached_.push_back(v);
+  distances_[v] = distance;
+  directions_[v] = direction;
+  arrivals_[v] = arrival;
+  if (mesh_.kind(v) != VertexKind::convex || direction < 0.0) {
+    push({0.0, 0.0, 0.0, 0.0, distance, invalid_index, v}, distance);
+  }
+}
+
+void WindowPropagation::propagate(const Window& w) {
+  ++windows_;
+  const Frame& frame = mesh_.frame(w.halfedge);
+  if (!spots_.empty() && spotted_faces_[w.halfedge / 3] != 0) {
+    if (meets_source(w)) return;
+    reach_targets(w);
+  }
+  const double crossing = w.x + (frame.px - w.x) * w.y / (w.y + frame.py);
+  bool left = crossing > w.low, right = crossing < w.high;
+  const double tolerance = end_tolerance * frame.length;
+  if (crossing >= w.low - tolerance && crossing <= w.high + tolerance) {
+    meet_apex(w, frame, crossing, left, right);
+  }
+  if (left && frame.left != invalid_index) leave_left(w, frame, crossing);
+  if (right && frame.right != invalid_index) leave_right(w, frame, crossing);
+}
+
+void WindowPropagation::meet_apex(const Window& w, const Frame& frame, double crossing, bool& left,
+                                  bool& right) {
+  const double distance = w.offset + length_of(frame.px - w.x, frame.py + w.y);
+  if (distance < distances_[frame.v3]) {
+    const double within =
+        std::atan2(frame.py * crossing, frame.py * frame.py - frame.px * (crossing - frame.px));
+    reach(frame.v3, distance, mesh_.corner_start(Topology::previous(w.halfedge)) + within,
+          {w.x, w.y, w.halfedge, w.origin});
+  }
+  Occupant& occupant = occupants_[w.halfedge];
+  if (distance < occupant.distance) {
+    if (occupant.distance == infinity) occupied_.push_back(w.halfedge);
+    occupant = {distance, crossing};
+  } else if (left && right && distance > occupant.distance * clearly) {
+    (crossing < occupant.crossing ? right : left) = false;
+  }
+}
+
+void WindowPropagation::leave_left(const Window& w, const Frame& frame, double crossing) {
+  const Side side{frame.cos_left,
+                  frame.sin_left,
+                  frame.left_length,
+                  w.low,
+                  w.high,
+                  crossing <= w.high,
+                  w.x,
+                  w.y,
+                  frame.length,
+                  distances_[frame.v1],
+                  distances_[frame.v3],
+                  distances_[frame.v2]};
+  Window child{0.0, 0.0, 0.0, 0.0, w.offset, frame.left, w.origin};
+  double key = 0.0;
+  if (cross_side(side, child, key)) push(child, key);
+}
+
+void WindowPropagation::leave_right(const Window& w, const Frame& frame, double crossing) {
+  const Side side{
+      frame.cos_right,      frame.sin_right,      frame.right_length,   frame.length - w.high,
+      frame.length - w.low, crossing >= w.low,    frame.length - w.x,   w.y,
+      frame.length,         distances_[frame.v2], distances_[frame.v3], distances_[frame.v1]};
+  Window child{0.0, 0.0, 0.0, 0.0, w.offset, frame.right, w.origin};
+  double key = 0.0;
+  if (!cross_side(side, child, key)) return;
+  const double low = child.low;
+  child.low = side.length - child.high;
+  child.high = side.length - low;
+  child.x = side.length - child.x;
+  push(child, key);
+}
+
+bool WindowPropagation::cross_side(const Side& s, Window& child, double& key) const {
+  const double x = s.x * s.cos - s.y * s.sin;
+  const double y = s.x * s.sin + s.y * s.cos;
+  const double low = s.near <= 0.0 ? 0.0 : s.near * s.y / (y - s.near * s.sin);
+  const double high = s.to_apex ? s.length : std::min(s.length, s.far * s.y / (y - s.far * s.sin));
+  if (!(high - low > least_width * s.length)) return false;
+  const double to_low = child.offset + length_of(low - x, y);
+  const double to_high = child.offset + length_of(high - x, y);
+  if (to_high > (s.base_distance + high) * clearly) return false;
+  if (to_low > (s.apex_distance + s.length - low) * clearly) return false;
+  const double back = s.back_distance + length_of(s.edge_length - low * s.cos, low * s.sin);
+  if (to_low > back * clearly) return false;
+  child.low = low;
+  child.high = high;
+  child.x = x;
+  child.y = y;
+  key = x < low ? to_low : x > high ? to_high : child.offset + y;
+  return true;
+}
+
+void WindowPropagation::bend_paths(VertexIndex v, double distance) {
+  constexpr double pi = std::numbers::pi;
+  if (mesh_.outgoing(v) == invalid_index) return;
+  if (mesh_.kind(v) == VertexKind::irregular) {
+    bend_everywhere(v, distance);
+    return;
+  }
+  const double total = mesh_.total_angle(v), arrival = directions_[v];
+  if (arrival < 0.0) {
+    bend_into(v, 0.0, total, distance);
+  } else if (mesh_.kind(v) == VertexKind::boundary) {
+    // Only the sides within the surface must leave an angle of π.
+    if (arrival + pi <= total) bend_into(v, arrival + pi, total, distance);
+    if (arrival - pi >= 0.0) bend_into(v, 0.0, arrival - pi, distance);
+  } else {
+    double from = arrival + pi, to = arrival + total - pi;
+    if (from >= total) {
+      from -= total;
+      to -= total;
+    }
+    bend_into(v, from, std::min(to, total), distance);
+    if (to > total) bend_into(v, 0.0, to - total, distance);
+  }
+}
+
+void WindowPropagation::bend_into(VertexIndex v, double from, double to, double distance) {
+  const HalfedgeIndex first = mesh_.outgoing(v);
+  const bool closed = mesh_.kind(v) != VertexKind::boundary;
+  const auto in_sector = [&](double angle) {
+    return angle >= from - sector_tolerance && angle <= to + sector_tolerance;
+  };
+  HalfedgeIndex h = first;
+  do {
+    const double start = mesh_.corner_start(h), angle = mesh_.corner_angle(h);
+    if (start < to && start + angle > from) {
+      send_window(h, from - start, to - start, v, distance);
+    }
+    if (in_sector(start) || (closed && in_sector(start + mesh_.total_angle(v)))) {
+      const Frame& frame = mesh_.frame(h);
+      send_along_edge(v, frame.v2, distance + frame.length, direction_back_along(h));
+    }
+    const HalfedgeIndex border = Topology::previous(h);
+    h = mesh_.twin(border);
+    if (h == invalid_index && in_sector(start + angle)) {
+      const Frame& frame = mesh_.frame(border);
+      send_along_edge(v, frame.v1, distance + frame.length, mesh_.corner_start(border));
+    }
+  } while (h != invalid_index && h != first);
+}
+
+void WindowPropagation::bend_everywhere(VertexIndex v, double distance) {
+  for (const HalfedgeIndex h : mesh_.corners_of_irregular(v)) {
+    send_window(h, 0.0, mesh_.corner_angle(h), v, distance);
+    const Frame& frame = mesh_.frame(h);
+    send_along_edge(v, frame.v2, distance + frame.length, direction_back_along(h));
+    const HalfedgeIndex in = Topology::previous(h);
+    const Frame& incoming = mesh_.frame(in);
+    send_along_edge(v, incoming.v1, distance + incoming.length, mesh_.corner_start(in));
+  }
+}
+
+void WindowPropagation::send_along_edge(VertexIndex from, VertexIndex to, double distance,
+                                        double direction) {
+  reach(to, distance, direction, {0.0, 0.0, invalid_index, from});
+}
+
+double WindowPropagation::direction_back_along(HalfedgeIndex h) const {
+  const HalfedgeIndex twin = mesh_.twin(h);
+  if (twin != invalid_index) return mesh_.corner_start(twin);
+  const HalfedgeIndex next = Topology::next(h);
+  return mesh_.corner_start(next) + mesh_.corner_angle(next);
+}
+
+void WindowPropagation::send_window(HalfedgeIndex corner, double from, double to, VertexIndex v,
+                                    double distance) {
+  const HalfedgeIndex opposite = Topology::next(corner), entered = mesh_.twin(opposite);
+  if (entered == invalid_index) return;
+  const Frame& frame = mesh_.frame(opposite);  // v is its apex
+  const double square = frame.px * frame.px + frame.py * frame.py;
+  const auto hit = [&](double angle) {
+    const double s = std::sin(angle), c = std::cos(angle);
+    return square * s / (frame.px * s + frame.py * c);
+  };
+  const double start = from <= 0.0 ? 0.0 : hit(from);
+  const double end = to >= mesh_.corner_angle(corner) ? frame.length : hit(to);
+  const Window window{frame.length - std::min(end, frame.length),
+                      frame.length - start,
+                      frame.length - frame.px,
+                      frame.py,
+                      distance,
+                      entered,
+                      v};
+  if (!(window.high - window.low > least_width * frame.length)) return;
+  push(window, nearest_point(window));
+}
+
+}  // namespace kinemesh::geodesics

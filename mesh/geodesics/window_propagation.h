@@ -1,0 +1,143 @@
+// Exact polyhedral distances by window propagation. Internal to mesh/geodesics.
+//
+// A window is a pencil of straight paths from one origin (a source, or a vertex with an angle
+// above 2π or on a boundary, which bends paths) that cross an edge within [low, high], seen in the
+// frame of the halfedge they enter through. It is handed from edge to edge; nothing is kept of it
+// but what waits at the front. Windows are dropped
+//   - when a path over a vertex of the edge, or over the vertex behind it, is as short (Xin & Wang
+//     2009), and
+//   - on one side of a vertex which they reach later than another window has reached it through the
+//     same edge ("one angle, one split", Chen & Han 1990; the position at which the earlier
+//     window's path to the vertex crosses the edge tells which side).
+// Vertices bend paths only into the sector behind them, not all around.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "config/run_context.h"
+#include "mesh/geodesics/geodesics.h"
+#include "mesh/geodesics/unfolded_mesh.h"
+
+namespace kinemesh::geodesics {
+
+struct Window {
+  double low, high;        ///< interval on the edge, from v1 of the halfedge's frame
+  double x, y;             ///< the origin, unfolded, lies at (x, −y) in that frame
+  double offset;           ///< distance of the origin from its source
+  HalfedgeIndex halfedge;  ///< invalid_index: a vertex whose turn it is to bend paths
+  uint32_t origin;         ///< inner vertex, or vertex count + index of a source inside a face
+};
+
+/// Windows in buckets of equal width by distance, first in, first out within a bucket.
+class WindowQueue {
+ public:
+  void reset(double bucket_width);
+  void push(const Window& window, double key);
+  /// Moves on to the next bucket that is not empty. False when nothing waits.
+  bool advance();
+  /// The current bucket; pushes may append to it while it is being read.
+  const std::vector<Window>& bucket() const { return buckets_[current_ % bucket_count]; }
+  /// Must be called when the current bucket has been read.
+  void clear_bucket();
+  std::size_t waiting() const { return waiting_; }
+  std::size_t peak() const { return peak_; }
+
+ private:
+  static constexpr int64_t bucket_count = 1024;
+  struct Distant {
+    Window window;
+    int64_t index;
+  };
+  void call_distant();
+
+  std::vector<std::vector<Window>> buckets_{bucket_count};
+  std::vector<Distant> distant_;  ///< more than bucket_count buckets ahead
+  int64_t nearest_distant_ = std::numeric_limits<int64_t>::max();
+  int64_t current_ = 0;
+  double per_width_ = 1.0;
+  std::size_t waiting_ = 0, peak_ = 0;
+};
+
+class WindowPropagation {
+ public:
+  explicit WindowPropagation(const UnfoldedMesh& mesh);
+
+  /// Sources and targets: points with inner face indices and weights that sum to 1.
+  void run(std::span<const SurfacePoint> sources, std::span<const SurfacePoint> targets,
+           double radius, const RunContext* ctx = nullptr);
+
+  /// Of the last run. Vertices by inner index.
+  double distance(VertexIndex v) const { return distances_[v]; }
+  const GeodesicArrival& arrival(VertexIndex v) const { return arrivals_[v]; }
+  const std::vector<VertexIndex>& reached() const { return reached_; }
+  double target_distance(std::size_t t) const { return target_distances_[t]; }
+  const GeodesicArrival& target_arrival(std::size_t t) const { return target_arrivals_[t]; }
+  /// The vertex a source lies on, or invalid_index for one inside a face or on an edge.
+  VertexIndex source_vertex(std::size_t s) const { return source_vertices_[s]; }
+  std::size_t windows() const { return windows_; }
+  std::size_t peak_windows() const { return queue_.peak(); }
+
+ private:
+  /// A source or target inside a face or on an edge of it.
+  struct Spot {
+    FaceIndex face;
+    uint32_t index;
+    bool is_source;
+    std::array<double, 3> weights;
+  };
+  /// The shortest path so far that reaches the third vertex through a halfedge, and where it
+  /// crosses the edge.
+  struct Occupant {
+    double distance = std::numeric_limits<double>::infinity();
+    double crossing = 0.0;
+  };
+  struct Side;
+
+  void forget();
+  void place_source(const SurfacePoint& point, uint32_t index);
+  void start_in_face(const SurfacePoint& point, uint32_t origin);
+  void place_spots(std::span<const SurfacePoint> targets);
+  void finish_targets(std::span<const SurfacePoint> targets);
+  bool meets_source(const Window& window);
+  void reach_targets(const Window& window);
+  void reach_target(uint32_t target, double distance, const GeodesicArrival& arrival);
+
+  void propagate(const Window& window);
+  void meet_apex(const Window& window, const Frame& frame, double crossing, bool& left,
+                 bool& right);
+  void leave_left(const Window& window, const Frame& frame, double crossing);
+  void leave_right(const Window& window, const Frame& frame, double crossing);
+  bool cross_side(const Side& side, Window& window, double& key) const;
+
+  void reach(VertexIndex v, double distance, double direction, const GeodesicArrival& arrival);
+  void bend_paths(VertexIndex v, double distance);
+  void bend_into(VertexIndex v, double from, double to, double distance);
+  void bend_everywhere(VertexIndex v, double distance);
+  void send_along_edge(VertexIndex from, VertexIndex to, double distance, double direction);
+  void send_window(HalfedgeIndex corner, double from, double to, VertexIndex v, double distance);
+  double direction_back_along(HalfedgeIndex h) const;
+  void push(const Window& window, double key) {
+    if (key <= radius_) queue_.push(window, key);
+  }
+
+  const UnfoldedMesh& mesh_;
+  WindowQueue queue_;
+  double radius_ = std::numeric_limits<double>::infinity();
+  std::vector<double> distances_;   ///< per vertex, then per source
+  std::vector<double> directions_;  ///< angle at the vertex at which its path arrives; < 0: any
+  std::vector<GeodesicArrival> arrivals_;
+  std::vector<Occupant> occupants_;  ///< per halfedge
+  std::vector<VertexIndex> reached_;
+  std::vector<HalfedgeIndex> occupied_;
+  std::vector<Spot> spots_;  ///< by face
+  std::vector<uint8_t> spotted_faces_;
+  std::vector<VertexIndex> source_vertices_;
+  std::vector<double> target_distances_;
+  std::vector<GeodesicArrival> target_arrivals_;
+  std::size_t windows_ = 0;
+};
+
+}  // namespace kinemesh::geodesics
