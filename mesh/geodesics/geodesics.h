@@ -6,7 +6,7 @@
 //
 // Exact: the polyhedral distance, by propagating windows over unfolded triangles in the order of
 // their distance (Mitchell, Mount & Papadimitriou 1987; Chen & Han 1990; Xin & Wang 2009; bucket
-// order as in Xu et al. 2015). Dijkstra: along edges, as Chenyue's thesis uses. Heat: Crane,
+// order as in Xu et al. 2015). Dijkstra: along edges, as the thesis uses. Heat: Crane,
 // Weischedel & Wardetzky 2013 on the intrinsic Delaunay triangulation (Sharp, Soliman & Crane
 // 2019). Degenerate triangles: mesh/geodesics/intrinsic_lengths.h. Non-manifold edges act as
 // borders: paths run along them, but do not cross them.
