@@ -90,7 +90,7 @@ void draw_colour_bar(Canvas& canvas, const Box& box, const ColourScale& scale) {
   canvas.text({box.x, box.y}, title, {.size = 11.0, .anchor = TextAnchor::top});
   const double length = horizontal ? bar.width : bar.height;
   const Ticks ticks =
-      nice_ticks(scale.low, scale.high, std::clamp(static_cast<int>(length / 48.0), 2, 7));
+      nice_ticks(scale.low, scale.high, std::clamp(static_cast<int>(length / 40.0), 3, 7));
   const double span = scale.high - scale.low;
   for (const double value : ticks.values) {
     const double t = span > 0.0 ? (value - scale.low) / span : 0.5;
