@@ -23,8 +23,8 @@ std::string_view first_line(std::string_view text) {
 
 bool looks_like_trc(std::string_view line) { return line.starts_with("PathFileType"); }
 
-MarkerSequence read_c3d_session(const std::filesystem::path& path,
-                                const SessionReadOptions& options, const RunContext& ctx) {
+C3dReadResult read_c3d_session(const std::filesystem::path& path, const SessionReadOptions& options,
+                               const RunContext& ctx) {
   C3dReadResult result = read_c3d(path, options.c3d, ctx);
   constexpr std::size_t most = 5;
   std::size_t shown = 0;
@@ -41,7 +41,7 @@ MarkerSequence read_c3d_session(const std::filesystem::path& path,
   if (left > 0) {
     ctx.warn(path.string() + ": " + count_of(left, "more finding") + "; see 'kinemesh c3d check'");
   }
-  return std::move(result.take);
+  return result;
 }
 
 }  // namespace
@@ -90,11 +90,10 @@ SessionFormat detect_session_format(const std::filesystem::path& path) {
                  "with its header"});
 }
 
-MarkerSequence read_session(const std::filesystem::path& path, const SessionReadOptions& options,
-                            const RunContext& ctx) {
-  options.validate();
-  const SessionFormat format = detect_session_format(path);
-  if (format == SessionFormat::c3d) return read_c3d_session(path, options, ctx);
+namespace {
+
+MarkerSequence read_table(const std::filesystem::path& path, SessionFormat format,
+                          const SessionReadOptions& options, const RunContext& ctx) {
   const TableText text(read_file(path), path.string());
   const TableReadOptions table{.zero_is_gap = options.c3d.zero_points == ZeroPolicy::gap};
   MarkerSequence take = [&] {
@@ -107,6 +106,29 @@ MarkerSequence read_session(const std::filesystem::path& path, const SessionRead
   }();
   take.origin.path = path.string();
   return take;
+}
+
+}  // namespace
+
+MarkerSequence read_session(const std::filesystem::path& path, const SessionReadOptions& options,
+                            const RunContext& ctx) {
+  options.validate();
+  const SessionFormat format = detect_session_format(path);
+  if (format == SessionFormat::c3d) return read_c3d_session(path, options, ctx).take;
+  return read_table(path, format, options, ctx);
+}
+
+SessionSummaryResult summarise_session(const std::filesystem::path& path,
+                                       const SessionReadOptions& options, const RunContext& ctx) {
+  options.validate();
+  const SessionFormat format = detect_session_format(path);
+  if (format != SessionFormat::c3d) {
+    return {
+        summarise(read_table(path, format, options, ctx), nullptr, std::string(name_of(format))),
+        {}};
+  }
+  C3dReadResult result = read_c3d_session(path, options, ctx);
+  return {summarise(result.take, &result.layout), std::move(result.findings)};
 }
 
 }  // namespace kinemesh

@@ -3,8 +3,10 @@
 
 #include <filesystem>
 #include <string_view>
+#include <vector>
 
 #include "capture/c3d/reader.h"
+#include "capture/c3d/summary.h"
 #include "capture/marker_sequence.h"
 #include "config/parameter.h"
 #include "config/run_context.h"
@@ -32,5 +34,15 @@ SessionFormat detect_session_format(const std::filesystem::path& path);
 /// goes to ctx as warnings. Throws InputError naming file, place and remedy.
 MarkerSequence read_session(const std::filesystem::path& path,
                             const SessionReadOptions& options = {}, const RunContext& ctx = {});
+
+struct SessionSummaryResult {
+  C3dSummary summary;
+  std::vector<C3dFinding> findings;  ///< of a C3D file
+};
+
+/// Reads a session and sums up what it holds. Errors and warnings as read_session().
+SessionSummaryResult summarise_session(const std::filesystem::path& path,
+                                       const SessionReadOptions& options = {},
+                                       const RunContext& ctx = {});
 
 }  // namespace kinemesh

@@ -34,6 +34,22 @@ void take_points(const ezc3d::DataNS::Frame& frame, std::size_t f, const PointTa
   }
 }
 
+/// Residuals and camera masks as ezc3d gives them.
+void take_residuals(const ezc3d::DataNS::Frame& frame, std::size_t f, const PointTable& table,
+                    MarkerSequence& take) {
+  const auto& points = frame.points().points();
+  for (std::size_t m = 0; m < take.marker_count(); ++m) {
+    const std::size_t i = take.sample(f, m);
+    take.residuals()[i] = static_cast<float>(points[m].residual()) * table.to_mm[m];
+    uint8_t mask = 0;
+    const std::vector<bool>& cameras = points[m].cameraMask();
+    for (std::size_t c = 0; c < std::min<std::size_t>(cameras.size(), 7); ++c) {
+      if (cameras[c]) mask |= static_cast<uint8_t>(1U << c);
+    }
+    take.camera_masks()[i] = mask;
+  }
+}
+
 void take_analog(const ezc3d::DataNS::Frame& frame, std::size_t f, AnalogData& analog) {
   const std::size_t channels = analog.channels.size();
   for (std::size_t s = 0; s < analog.samples_per_frame; ++s) {
@@ -80,7 +96,7 @@ std::string ezc3d_refusal(const C3dReadResult& result) {
 }
 
 void reread_with_ezc3d(const std::filesystem::path& path, const C3dReadOptions& options,
-                       C3dReadResult& result) {
+                       C3dReadResult& result, bool as_it_says) {
   if (const std::string why = ezc3d_refusal(result); !why.empty()) refuse(path, why);
   std::vector<C3dFinding> ignored;
   const PointTable table = decode_points_table(result.take.parameters, result.take.marker_count(),
@@ -91,6 +107,7 @@ void reread_with_ezc3d(const std::filesystem::path& path, const C3dReadOptions& 
     for (std::size_t f = 0; f < result.take.frame_count(); ++f) {
       const ezc3d::DataNS::Frame& frame = file.data().frame(f);
       take_points(frame, f, table, options.zero_points, result.take);
+      if (as_it_says) take_residuals(frame, f, table, result.take);
       take_analog(frame, f, result.take.analog);
     }
   } catch (const Error&) {

@@ -13,9 +13,9 @@ namespace kinemesh {
 std::string ezc3d_refusal(const C3dReadResult& result);
 
 /// Replaces positions, flags and analog values of `result` by what ezc3d reads from the file.
-/// Residuals and camera masks become 0: ezc3d 1.7.2 exchanges them. Throws InputError when
-/// ezc3d_refusal() is not empty or ezc3d fails.
+/// Residuals and camera masks become 0, because ezc3d 1.7.2 exchanges them, unless `as_it_says`.
+/// Throws InputError when ezc3d_refusal() is not empty or ezc3d fails.
 void reread_with_ezc3d(const std::filesystem::path& path, const C3dReadOptions& options,
-                       C3dReadResult& result);
+                       C3dReadResult& result, bool as_it_says = false);
 
 }  // namespace kinemesh

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "capture/c3d/number_format.h"
 #include "capture/formats/table_text.h"
 #include "capture/gaps.h"
 #include "config/text.h"
@@ -91,17 +92,6 @@ std::string gap_table(const C3dSummary& s) {
 
 }  // namespace
 
-std::string_view name_of(Processor processor) {
-  switch (processor) {
-    case Processor::intel: return "intel";
-    case Processor::dec: return "dec";
-    case Processor::sgi: return "sgi";
-  }
-  return "intel";
-}
-
-std::string_view name_of(Storage storage) { return storage == Storage::integer ? "int" : "float"; }
-
 C3dSummary summarise(const MarkerSequence& take, const C3dLayout* layout,
                      const std::string& format) {
   C3dSummary s;
@@ -179,7 +169,9 @@ std::string summary_text(const C3dSummary& s) {
   } else {
     text += "\nEvents\n";
     std::vector<std::vector<std::string>> events;
-    for (const Event& e : s.events) {
+    std::vector<Event> in_time = s.events;
+    std::ranges::stable_sort(in_time, {}, &Event::time_s);
+    for (const Event& e : in_time) {
       events.push_back({format_fixed(e.time_s, 3) + " s", e.label, e.context, e.subject});
     }
     text += table(events, {true, false, false, false});

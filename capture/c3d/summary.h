@@ -48,10 +48,6 @@ struct C3dSummary {
 C3dSummary summarise(const MarkerSequence& take, const C3dLayout* layout,
                      const std::string& format = "C3D");
 
-/// The words "intel", "dec" and "sgi"; "int" and "float".
-std::string_view name_of(Processor processor);
-std::string_view name_of(Storage storage);
-
 /// For a person: plain words, units, markers with gaps as a table.
 std::string summary_text(const C3dSummary& summary);
 /// The stable document that docs/c3d.md describes; keys are only ever added.

@@ -4,7 +4,8 @@ namespace kinemesh::cli {
 
 std::vector<CommandSpec> all_commands() {
   return {
-      hash_command(),
+      c3d_info_command(),   c3d_check_command(), c3d_diff_command(),
+      c3d_export_command(), hash_command(),
   };
 }
 

@@ -5,6 +5,10 @@
 
 namespace kinemesh::cli {
 
+CommandSpec c3d_check_command();
+CommandSpec c3d_diff_command();
+CommandSpec c3d_export_command();
+CommandSpec c3d_info_command();
 CommandSpec hash_command();
 
 }  // namespace kinemesh::cli
