@@ -270,7 +270,7 @@ std::string said(const auto& candidates, const auto& text) {
   return all;
 }
 
-void report(const Question& q, const Answer& a, bool has_parameters,
+void report(const Question& q, const Answer& a, bool has_parameters, uint16_t last_frame,
             std::vector<C3dFinding>& findings) {
   const auto number = [](uint64_t v) { return std::to_string(v); };
   const auto taken = [](const std::string& source) {
@@ -303,12 +303,13 @@ void report(const Question& q, const Answer& a, bool has_parameters,
                                    parameter_place("POINT:SCALE")));
   }
   if (!q.frames.agree() && q.frames.all[a.frames].source != "the file's size") {
-    // That a 16-bit count falls short of a long take is how the format works.
+    // That 16-bit counts fall short of a long take, or of a late one, is how the format works.
     const uint64_t frames = q.frames.all[a.frames].value;
-    const bool natural =
-        frames > 65'535 && std::ranges::all_of(q.frames.all, [&](const auto& e) {
-          return e.value == frames || e.value >= 65'534 || e.value == frames % 65'536;
-        });
+    const bool natural = std::ranges::all_of(q.frames.all, [&](const auto& e) {
+      const bool saturated =
+          e.value >= 65'534 || (e.source == "the header" && last_frame == 65'535);
+      return e.value == frames || saturated || (frames > 65'535 && e.value == frames % 65'536);
+    });
     if (natural) {
       findings.push_back(c3d_finding(
           "C3D313", std::to_string(frames) + " frames, by " + q.frames.all[a.frames].source,
@@ -402,7 +403,7 @@ C3dLayout resolve_layout(const C3dHead& head, std::vector<C3dFinding>& findings)
   q.frames.add(q.frames.all.empty() ? std::optional<uint64_t>(0) : std::nullopt, "nothing");
   Answer a = best_fit(q, layout.file_bytes);
   mend_saturated_count(head, q, a, findings);
-  report(q, a, head.section_end != 0, findings);
+  report(q, a, head.section_end != 0, head.header.last_frame, findings);
 
   layout.data_begin = q.data_begin.all[a.data_begin].value;
   layout.points = q.points.all[a.points].value;
