@@ -113,6 +113,29 @@ class Placement {
   std::vector<Eigen::Vector2d> places_;
 };
 
+/// Moves places that are closer than `least` on the face apart, a little at a time.
+void move_apart(const SyntheticFace& face, double least, std::vector<Eigen::Vector2d>& places) {
+  for (int round = 0; round < 60; ++round) {
+    std::vector<Eigen::Vector3d> p;
+    for (const Eigen::Vector2d& d : places) {
+      p.push_back(position_of(face.locate(d), face.topology(), face.rest().positions));
+    }
+    bool moved = false;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      for (std::size_t j = i + 1; j < places.size(); ++j) {
+        const double distance = (p[i] - p[j]).norm();
+        if (distance >= least) continue;
+        const Eigen::Vector2d push =
+            0.3 * (least - distance) * (places[i] - places[j]).normalized();
+        places[i] += push;
+        places[j] -= push;
+        moved = true;
+      }
+    }
+    if (!moved) return;
+  }
+}
+
 MarkerLayout layout_of(const SyntheticFace& face, std::vector<Eigen::Vector2d> places) {
   MarkerLayout layout;
   for (const Eigen::Vector2d& d : places) layout.points.push_back(face.locate(d));
@@ -167,6 +190,7 @@ MarkerLayout transfer_markers(const MarkerLayout& layout, const SyntheticFace& t
     places.push_back(moved);
     labels.push_back(layout.labels[i]);
   }
+  if (options.least_mm > 0) move_apart(target, options.least_mm, places);
   MarkerLayout result = layout_of(target, std::move(places));
   result.labels = std::move(labels);
   return result;

@@ -34,6 +34,7 @@ MarkerLayout place_markers(const SyntheticFace& face, double spacing_mm, uint64_
 struct TransferOptions {
   double jitter_mm = 1;     ///< standard deviation in each direction of the domain
   std::size_t missing = 0;  ///< so many markers of the first subject are left out
+  double least_mm = 0;      ///< markers that end up closer than this are moved apart
   uint64_t seed = 1;
 };
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "config/error.h"
+#include "tests/support/random.h"
 #include "tests/support/synthetic_take.h"
 
 namespace kinemesh::test {
@@ -50,7 +51,7 @@ Motion happy() {
       .pulse({smile_left}, 1.0, 0.80, 1.50, 2.40, 3.10)
       .pulse({smile_right}, 0.93, 0.82, 1.52, 2.40, 3.12)
       .pulse({lips_part}, 0.9, 0.95, 1.50, 2.35, 2.95)
-      .pulse({jaw_open}, 0.14, 0.95, 1.50, 2.35, 2.95)
+      .pulse({jaw_open}, 0.30, 0.95, 1.50, 2.35, 2.95)
       .blink(0.25)
       .main(0.80, 1.50)
       .opening(all);
@@ -89,6 +90,27 @@ ExpressionWeights Motion::at(double time_s) const {
     weights[p.expression] += p.strength * (up - down);
   }
   return weights;
+}
+
+Motion vary(const Motion& motion, uint64_t seed) {
+  Random random(seed * 32452843 + 19);
+  const double delay = random.uniform(-0.15, 0.15), pace = random.uniform(0.92, 1.08);
+  const auto shifted = [&](double t) { return std::max(0.02, t * pace + delay); };
+  Motion varied = motion;
+  varied.onset_s = shifted(motion.onset_s);
+  varied.peak_s = shifted(motion.peak_s);
+  for (ExpressionPulse& p : varied.pulses) {
+    const bool blinks =
+        p.expression == Expression::blink_left || p.expression == Expression::blink_right;
+    if (!blinks) p.strength *= random.uniform(0.9, 1.1);  // a blink shuts the lids, whoever does it
+    const double from = p.onset_s;
+    p.onset_s = shifted(from);
+    const auto later = [&](double t) { return p.onset_s + (t - from) * pace; };
+    p.peak_s = later(p.peak_s);
+    p.release_s = later(p.release_s);
+    p.end_s = later(p.end_s);
+  }
+  return varied;
 }
 
 Motion make_motion(MotionKind kind) {

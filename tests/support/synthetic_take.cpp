@@ -165,7 +165,7 @@ void add_gaps(SyntheticTake& take, const TakeOptions& options, Random random) {
     const std::size_t frames_lost = length(0.3, 1.0);
     const std::size_t room = frames > frames_lost + 2 ? frames - frames_lost - 2 : 1;
     const std::size_t first = 1 + random.below(room);
-    add_gap(take, random.below(take.layout.size()), first, first + frames_lost - 1);
+    add_gap(take, random.below(take.measured.marker_count()), first, first + frames_lost - 1);
   }
 }
 

@@ -92,10 +92,14 @@ std::vector<std::vector<VertexIndex>> inner_loops(const Topology& mesh,
   return loops;
 }
 
+/// Edges of the mesh over the slit; one that goes around its corner along the surface, as an edge
+/// of the reference does, is none.
 std::size_t crossings(const Topology& mesh, const std::vector<Eigen::Vector2d>& places,
-                      const Slit& slit, const std::vector<Eigen::Vector2d>& domain) {
+                      const Slit& slit, const GeodesicDelaunay& reference) {
+  const std::vector<Eigen::Vector2d>& domain = reference.surface.domain;
   std::size_t count = 0;
   for (const Edge& e : mesh.edges()) {
+    if (reference.find(e.vertices[0], e.vertices[1]) != nullptr) continue;
     bool crosses = false;
     for (std::size_t k = 0; k + 1 < slit.upper.size(); ++k) {
       crosses |= segments_cross(places[e.vertices[0]], places[e.vertices[1]], domain[slit.upper[k]],
@@ -130,7 +134,7 @@ void score_openings(const Topology& mesh, const GeodesicDelaunay& reference,
     for (const Triangle& t : mesh.faces()) {
       o.differing_triangles += mostly_inside(t, places, true_hole) ? 1 : 0;
     }
-    o.edges_across = crossings(mesh, places, slit, reference.surface.domain);
+    o.edges_across = crossings(mesh, places, slit, reference);
     score.edges_across += o.edges_across;
     score.openings_right &= o.found;
     score.openings.push_back(std::move(o));
