@@ -1,5 +1,6 @@
-// kinemesh c3d check: lint and second opinion.
+// kinemesh c3d check: lint, second opinion and repair.
 #include "capture/c3d/check.h"
+#include "capture/c3d/repair.h"
 #include "cli/commands/commands.h"
 
 namespace kinemesh::cli {
@@ -7,6 +8,8 @@ namespace {
 
 struct Arguments {
   std::vector<std::string> files;
+  bool repair = false;
+  std::string output;
   C3dCheckOptions check;
 };
 
@@ -26,18 +29,40 @@ ExitCode run_check(const Arguments& args, Terminal& terminal) {
   return errors ? ExitCode::invalid_input : ExitCode::done;
 }
 
+ExitCode run_repair(const Arguments& args, Terminal& terminal) {
+  if (args.files.size() != 1) {
+    throw UsageError({.what = "--repair takes one file at a time",
+                      .remedy = "Repair the files one after the other"});
+  }
+  const C3dRepairResult result = repair_c3d(args.files[0], args.output, args.check, terminal.run);
+  terminal.print(terminal.json ? repair_json(result) : repair_text(result));
+  return result.healthy() ? ExitCode::done : ExitCode::invalid_input;
+}
+
 }  // namespace
 
 CommandSpec c3d_check_command() {
   return {.path = "c3d check",
-          .summary = "Say what is wrong in C3D files and what to do about it",
-          .example = "kinemesh c3d check *.c3d",
+          .summary = "Say what is wrong in C3D files and what to do about it, and repair them",
+          .example =
+              "kinemesh c3d check *.c3d\n"
+              "kinemesh c3d check broken.c3d --repair -o repaired.c3d",
           .setup = [](CommandLine& line) -> Action {
             auto args = std::make_shared<Arguments>();
             line.positionals("FILE", args->files, "C3D files; TRC, CSV and TSV sessions too");
+            line.flag("--repair", args->repair,
+                      "Write a repaired copy of the one FILE to the file that -o names; the "
+                      "original is never changed");
+            line.option("-o,--output", args->output, "OUT",
+                        "Where --repair writes the repaired file");
             line.parameters([args](ParameterSet& p) { args->check.declare(p); });
             line.json_output();
-            return [args](Terminal& terminal) { return run_check(*args, terminal); };
+            return [args](Terminal& terminal) {
+              if (args->repair == args->output.empty()) {
+                throw UsageError({.what = "--repair and -o OUT belong together"});
+              }
+              return args->repair ? run_repair(*args, terminal) : run_check(*args, terminal);
+            };
           }};
 }
 
