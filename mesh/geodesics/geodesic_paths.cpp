@@ -45,31 +45,50 @@ GeodesicPath GeodesicSolver::Data::trace(const GeodesicField& field, GeodesicArr
   path.points.push_back(end);
   // A vertex is the apex of the frame it was reached in; a target lies somewhere in its face.
   bool at_vertex = arrival_of_vertex;
-  while (true) {
+  for (std::size_t stretches = 0; stretches < 2 * inner.size() + 16; ++stretches) {
     const bool at_source = arrival.origin >= count;
     const SurfacePoint origin =
         at_source ? field.sources.at(arrival.origin - count) : mesh.vertex_point(arrival.origin);
-    const VertexIndex vertex = at_source ? invalid_index : arrival.origin;
+    VertexIndex next = at_source ? invalid_index : arrival.origin;
     if (arrival.halfedge == invalid_index) {
       path.points.push_back(origin);
     } else {
       const geodesics::Frame& frame = mesh.frame(arrival.halfedge);
       const Eigen::Vector2d start = at_vertex ? Eigen::Vector2d(frame.px, frame.py)
                                               : mesh.in_frame(arrival.halfedge, end.weights);
-      if (!trace_straight(mesh, start, arrival, origin, vertex, path.points)) {
-        throw InternalError("a shortest path could not be followed back to its origin");
-      }
+      const geodesics::TraceEnd traced =
+          trace_straight(mesh, start, arrival, origin, next, path.points);
+      if (!traced.at_origin) next = pass_vertex(field, traced, path.points);
     }
-    if (at_source) {
+    if (next == invalid_index) {
       path.source = arrival.origin - count;
-      break;
+      std::reverse(path.points.begin(), path.points.end());
+      measure(path);
+      return path;
     }
     at_vertex = true;
-    arrival = field.arrivals[mesh.original_vertex(vertex)];
+    arrival = field.arrivals[mesh.original_vertex(next)];
   }
-  std::reverse(path.points.begin(), path.points.end());
-  measure(path);
-  return path;
+  throw InternalError("a shortest path could not be followed back to its source");
+}
+
+/// Appends the vertex through which the path goes on: of several, the one with the shortest way.
+VertexIndex GeodesicSolver::Data::pass_vertex(const GeodesicField& field,
+                                              const geodesics::TraceEnd& traced,
+                                              std::vector<SurfacePoint>& points) const {
+  const Eigen::Vector3d here = position_of(points.back(), *topology, positions);
+  VertexIndex best = invalid_index;
+  double least = unreachable;
+  for (const VertexIndex v : traced.vertices) {
+    if (v == invalid_index) continue;
+    const VertexIndex original = mesh.original_vertex(v);
+    const double length = field.distances[original] + (positions[original] - here).norm();
+    if (best != invalid_index && !(length < least)) continue;
+    best = v;
+    least = length;
+  }
+  points.push_back(mesh.vertex_point(best));
+  return best;
 }
 
 /// Drops points that repeat the one before, and sums the stretches between the rest.

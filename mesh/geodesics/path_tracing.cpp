@@ -51,37 +51,52 @@ bool next_face(const UnfoldedMesh& mesh, Position& p, std::vector<SurfacePoint>&
                                     : Eigen::Vector2d(frame.cos_right, -frame.sin_right);
   const double length = left ? frame.left_length : frame.right_length;
   const double slope = cross(axis, way);
-  double along = slope != 0.0 ? cross(p.here - corner, way) / slope : 0.0;
-  along = std::isfinite(along) ? std::clamp(along, 0.0, length) : 0.0;
-  const Eigen::Vector2d crossing = corner + along * axis;
-  points.push_back(mesh.to_surface_point(p.halfedge, crossing));
+  if (!(slope > 0.0)) return false;  // the way leads back
+  const double along = std::clamp(cross(p.here - corner, way) / slope, 0.0, length);
+  points.push_back(mesh.to_surface_point(p.halfedge, corner + along * axis));
   const Eigen::Vector2d to_origin = p.origin - corner;
   p = {entered, {along, 0.0}, {axis.dot(to_origin), cross(axis, to_origin)}};
   return true;
 }
 
+/// The apex of the face when it lies on the way, or invalid_index.
+VertexIndex apex_on_way(const Frame& frame, const Position& p) {
+  const Eigen::Vector2d way = p.origin - p.here,
+                        to_apex = Eigen::Vector2d(frame.px, frame.py) - p.here;
+  return std::abs(cross(way, to_apex)) <= 1e-9 * frame.left_length * way.norm() ? frame.v3
+                                                                                : invalid_index;
+}
+
+TraceEnd at_vertex(VertexIndex v) { return {false, {v, invalid_index, invalid_index}}; }
+
+TraceEnd lost_in(const Frame& frame) { return {false, {frame.v1, frame.v2, frame.v3}, true}; }
+
 }  // namespace
 
-bool trace_straight(const UnfoldedMesh& mesh, const Eigen::Vector2d& start,
-                    const GeodesicArrival& arrival, const SurfacePoint& origin, VertexIndex vertex,
-                    std::vector<SurfacePoint>& points) {
+TraceEnd trace_straight(const UnfoldedMesh& mesh, const Eigen::Vector2d& start,
+                        const GeodesicArrival& arrival, const SurfacePoint& origin,
+                        VertexIndex vertex, std::vector<SurfacePoint>& points) {
   const Frame& first = mesh.frame(arrival.halfedge);
   const double depth = arrival.y + start.y();
   const double crossing =
       depth > 0.0 ? start.x() + (arrival.x - start.x()) * start.y() / depth : start.x();
-  const Eigen::Vector2d on_edge(std::clamp(crossing, 0.0, first.length), 0.0);
-  points.push_back(mesh.to_surface_point(arrival.halfedge, on_edge));
+  if (!(crossing > 1e-9 * first.length)) return at_vertex(first.v1);
+  if (!(crossing < (1.0 - 1e-9) * first.length)) return at_vertex(first.v2);
+  points.push_back(mesh.to_surface_point(arrival.halfedge, {crossing, 0.0}));
   Position p{mesh.twin(arrival.halfedge),
-             {first.length - on_edge.x(), 0.0},
+             {first.length - crossing, 0.0},
              {first.length - arrival.x, arrival.y}};
   for (std::size_t steps = 0; steps < 4 * mesh.face_count() + 16; ++steps) {
+    const Frame& frame = mesh.frame(p.halfedge);
     if (at_origin(mesh, p, origin, vertex)) {
       points.push_back(origin);
-      return true;
+      return {true, {}};
     }
-    if (!next_face(mesh, p, points)) return false;
+    const VertexIndex passed = apex_on_way(frame, p);
+    if (passed != invalid_index) return at_vertex(passed);
+    if (!next_face(mesh, p, points)) return lost_in(frame);
   }
-  return false;
+  return lost_in(first);
 }
 
 }  // namespace kinemesh::geodesics

@@ -7,6 +7,7 @@
 
 #include "mesh/geodesics/geodesics.h"
 #include "mesh/geodesics/heat_method.h"
+#include "mesh/geodesics/path_tracing.h"
 #include "mesh/geodesics/unfolded_mesh.h"
 #include "mesh/geodesics/window_propagation.h"
 
@@ -50,6 +51,8 @@ struct GeodesicSolver::Data {
   void name_nearest_sources(GeodesicField& field) const;
   GeodesicPath trace(const GeodesicField& field, GeodesicArrival arrival, double distance,
                      const SurfacePoint& end, bool arrival_of_vertex) const;
+  VertexIndex pass_vertex(const GeodesicField& field, const geodesics::TraceEnd& traced,
+                          std::vector<SurfacePoint>& points) const;
   void measure(GeodesicPath& path) const;
   void check_field(const GeodesicField& field, std::size_t index, std::size_t count) const;
   template <class Scalar>

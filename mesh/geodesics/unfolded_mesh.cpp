@@ -69,19 +69,37 @@ std::vector<uint32_t> inverse(const std::vector<uint32_t>& order) {
   return rank;
 }
 
-/// Where v3 lies above an edge, from the positions: exact to rounding also for slivers.
+/// Cosine and sine of the angle between sides a and b of a triangle, opposite c, of which the area
+/// is known: without cancellation also where one side is a million million times shorter.
+Eigen::Vector2d corner(double a, double b, double c, double twice_area) {
+  const double larger = std::max(a, b), smaller = std::min(a, b);
+  const Eigen::Vector2d scaled(0.5 * ((larger - c) * (larger + c) + smaller * smaller), twice_area);
+  return scaled.normalized();
+}
+
+/// Angles and apex from the positions: exact to rounding also for slivers.
 void place_apex(Frame& frame, const Eigen::Vector3d& v1, const Eigen::Vector3d& v2,
                 const Eigen::Vector3d& v3) {
   const Eigen::Vector3d base = v2 - v1, side = v3 - v1;
   frame.px = base.dot(side) / frame.length;
   frame.py = base.cross(side).norm() / frame.length;
+  frame.cos_left = frame.px / frame.left_length;
+  frame.sin_left = frame.py / frame.left_length;
+  frame.cos_right = (frame.length - frame.px) / frame.right_length;
+  frame.sin_right = frame.py / frame.right_length;
 }
 
 /// The same from the lengths, for faces whose edges were lengthened.
 void place_apex(Frame& frame) {
-  const double a = frame.left_length, b = frame.right_length;
-  frame.px = 0.5 * (frame.length + (a - b) * (a + b) / frame.length);
-  frame.py = double_area(frame.length, a, b) / frame.length;
+  const double a = frame.left_length, b = frame.right_length, l = frame.length;
+  const double twice_area = double_area(l, a, b);
+  const Eigen::Vector2d left = corner(l, a, b, twice_area), right = corner(l, b, a, twice_area);
+  frame.cos_left = left.x();
+  frame.sin_left = left.y();
+  frame.cos_right = right.x();
+  frame.sin_right = right.y();
+  frame.px = a < b ? a * left.x() : l - b * right.x();
+  frame.py = twice_area / l;
 }
 
 }  // namespace
@@ -131,17 +149,13 @@ void UnfoldedMesh::build_frames(const Topology& topology,
     } else {
       place_apex(frame, positions[v1], positions[v2], positions[v3]);
     }
-    frame.cos_left = frame.px / frame.left_length;
-    frame.sin_left = frame.py / frame.left_length;
-    frame.cos_right = (frame.length - frame.px) / frame.right_length;
-    frame.sin_right = frame.py / frame.right_length;
     frame.left = inner(topology.twin(previous));
     frame.right = inner(topology.twin(next));
     frame.v1 = inner_vertices_[v1];
     frame.v2 = inner_vertices_[v2];
     frame.v3 = inner_vertices_[v3];
     twins_[inner(h)] = inner(topology.twin(h));
-    corner_angles_[inner(h)] = std::atan2(frame.py, frame.px);
+    corner_angles_[inner(h)] = std::atan2(frame.sin_left, frame.cos_left);
   }
 }
 
