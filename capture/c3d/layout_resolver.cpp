@@ -415,7 +415,8 @@ C3dLayout resolve_layout(const C3dHead& head, std::vector<C3dFinding>& findings)
   layout.frame_bytes = frame_bytes_of(layout.points, analog, layout.scale);
   layout.declared_frames = q.frames.all[a.frames].value;
   layout.first_frame = first_frame_of(head, layout.declared_frames, findings);
-  if (layout.data_begin >= layout.file_bytes && layout.frame_bytes != 0) {
+  if (layout.data_begin >= layout.file_bytes && layout.frame_bytes != 0 &&
+      layout.declared_frames != 0) {
     findings.push_back(c3d_finding("C3D317",
                                    "the data would begin at byte " +
                                        std::to_string(layout.data_begin) + " of " +

@@ -38,7 +38,7 @@ void plan_frames(const MarkerSequence& take, C3dWritePlan& plan) {
   C3dParameters& tree = plan.parameters;
   const auto frames = static_cast<uint64_t>(take.frame_count());
   const auto first = static_cast<uint64_t>(std::max<int64_t>(take.first_frame, 1));
-  const uint64_t last = first + std::max<uint64_t>(frames, 1) - 1;
+  const uint64_t last = first + frames - 1;  // without frames the one before the first
   if (last > 0xFFFFFFFFU) {
     throw UsageError({.what = "the last frame would have the number " + std::to_string(last) +
                               ", more than a C3D file can hold"});
@@ -59,8 +59,7 @@ void plan_frames(const MarkerSequence& take, C3dWritePlan& plan) {
            integer_parameter("ACTUAL_END_FIELD", {first_word(last), second_word(last)}, {2}));
   }
   plan.header.first_frame = static_cast<uint16_t>(std::min<uint64_t>(first, 65'535));
-  plan.header.last_frame =
-      static_cast<uint16_t>(std::min<uint64_t>(frames == 0 ? first - 1 : last, 65'535));
+  plan.header.last_frame = static_cast<uint16_t>(std::min<uint64_t>(last, 65'535));
 }
 
 void plan_point_group(const MarkerSequence& take, C3dWritePlan& plan) {
