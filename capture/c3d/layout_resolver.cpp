@@ -123,7 +123,7 @@ Candidates<double> scales(const C3dHead& head, std::vector<C3dFinding>& findings
   return c;
 }
 
-Candidates<uint64_t> data_begins(const C3dHead& head) {
+Candidates<uint64_t> data_begins(const C3dHead& head, std::vector<C3dFinding>& findings) {
   Candidates<uint64_t> c;
   const auto add = [&](uint64_t block, const std::string& source) {
     if (block == 0) return;
@@ -135,7 +135,15 @@ Candidates<uint64_t> data_begins(const C3dHead& head) {
   add(head.header.data_block, "the header");
   add(first_count(head.parameters, "POINT", "DATA_START").value_or(0), "POINT:DATA_START");
   const uint64_t size = head.source.size();
-  std::erase_if(c.all, [&](const auto& e) { return e.value > size; });
+  const auto outside = [&](const auto& e) { return e.value > size; };
+  for (const auto& e : c.all) {
+    if (!outside(e) || std::ranges::all_of(c.all, outside)) continue;
+    findings.push_back(c3d_finding("C3D303",
+                                   e.source + " says byte " + std::to_string(e.value) +
+                                       ", which lies outside the file and is not used",
+                                   parameter_place("POINT:DATA_START")));
+  }
+  std::erase_if(c.all, outside);
   if (c.all.empty()) {
     const uint64_t end = std::max<uint64_t>(head.section_end, head.leading + c3d_block);
     c.add(head.leading + (end - head.leading + c3d_block - 1) / c3d_block * c3d_block,
@@ -395,7 +403,7 @@ C3dLayout resolve_layout(const C3dHead& head, std::vector<C3dFinding>& findings)
   layout.processor = head.processor;
   find_rate(head, layout, findings);
   note_missing_counts(head, findings);
-  Question q{.data_begin = data_begins(head),
+  Question q{.data_begin = data_begins(head, findings),
              .points = point_counts(head),
              .analog = analog_shapes(head, layout.rate_hz),
              .scale = scales(head, findings),
