@@ -121,6 +121,7 @@ void measure(SyntheticTake& take, const TakeOptions& options, Random random) {
 
 void add_gap(SyntheticTake& take, std::size_t marker, std::size_t first, std::size_t last) {
   last = std::min(last, take.measured.frame_count() - 1);
+  if (first > last) return;
   for (std::size_t f = first; f <= last; ++f) {
     if (!take.measured.valid(f, marker)) return;  // gaps of one marker do not overlap
   }
@@ -151,14 +152,17 @@ void add_gaps(SyntheticTake& take, const TakeOptions& options, Random random) {
     return std::max<std::size_t>(
         1, static_cast<std::size_t>(random.uniform(low, high) * options.rate_hz));
   };
+  const auto before = static_cast<std::size_t>(0.15 * options.rate_hz);
   std::size_t added = 0;
   while (added < options.short_gaps) {
     const std::size_t marker = random.below(take.layout.size());
     const std::size_t together = std::min(1 + random.below(4), options.short_gaps - added);
-    const std::size_t first = random.below(frames);
+    // A take begins and ends in the middle of things: gaps may have begun before it.
+    const std::size_t begin = random.below(frames + before);
     for (std::size_t k = 0; k < together; ++k, ++added) {
       const std::size_t m = k == 0 ? marker : nearest_marker(take, marker, k - 1);
-      add_gap(take, m, first + random.below(4), first + 2 + length(0.02, 0.15));
+      const std::size_t first = begin + random.below(4), last = first + 2 + length(0.02, 0.15);
+      if (last >= before) add_gap(take, m, std::max(first, before) - before, last - before);
     }
   }
   for (std::size_t k = 0; k < options.long_gaps; ++k) {
@@ -213,6 +217,12 @@ SyntheticTake make_take(std::shared_ptr<const SyntheticFace> face, const MarkerL
     s->events.push_back({"onset", "General", options.subject, motion.onset_s});
     s->events.push_back({"peak", "General", options.subject, motion.peak_s});
     s->origin.manufacturer = "Kinemesh synthetic";
+    C3dParameter company;
+    company.name = "COMPANY";
+    company.type = C3dType::text;
+    company.characters = s->origin.manufacturer;
+    company.dimensions = {static_cast<uint8_t>(company.characters.size())};
+    s->parameters.set("MANUFACTURER", std::move(company));
     s->origin.x_screen = "+X";
     s->origin.y_screen = "+Z";
   }
