@@ -38,13 +38,38 @@ struct OpeningCandidate {
 /// Whether an opening is cut: where the motion shows it, always, or never.
 enum class OpeningMode { automatic, open, closed };
 
+/// Thresholds are in marker spacings h (mean distance to the five nearest).
 struct OpeningOptions {
   OpeningMode mouth = OpeningMode::automatic;
   OpeningMode left_eye = OpeningMode::automatic;
   OpeningMode right_eye = OpeningMode::automatic;
+  double mouth_seed = 0.7;  ///< least variation of length (1 % to 99 %) of the strongest edge
+  double eye_score = 0.5;   ///< least sum of both eyes' mean scores, see docs/reconstruct.md
 
   void declare(ParameterSet& p);
   void validate() const { validate_options(*this); }
 };
+
+/// Edges that flips must keep, and edges that they must not make; smaller vertex first.
+struct OpeningConstraints {
+  std::vector<DirectedEdge> edges, no_edges;
+};
+
+struct OpeningSearch {
+  std::vector<Opening> openings;
+  std::vector<OpeningCandidate> candidates;
+  std::size_t jump_samples = 0;  ///< samples left out because the marker jumped
+};
+
+/// Cuts the openings that the motion shows out of `mesh`, which covers them: the mouth where the
+/// distance of markers across it varies most, the eyes where a mirror-symmetric pair of strips
+/// shortens. `points` are the positions in the reference frame; mesh vertex v is marker
+/// `original[v]` of the take. Loops are of mesh vertices.
+/// Throws NoResultError for an opening that is asked for by name where no strip of edges allows
+/// one.
+OpeningSearch cut_openings(EditMesh& mesh, const Points& points, double spacing,
+                           const MarkerSequence& take, const std::vector<VertexIndex>& original,
+                           const OpeningOptions& options,
+                           const OpeningConstraints& constraints = {}, const RunContext& ctx = {});
 
 }  // namespace kinemesh

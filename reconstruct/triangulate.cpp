@@ -53,24 +53,69 @@ double longest_rim_edge(const Topology& topology, const Points& points) {
   return longest;
 }
 
-/// All boundary loops but the rim, which is the longest one, mm.
-std::vector<Opening> gaps_of(const Topology& topology, const Points& points) {
-  std::vector<Opening> gaps;
+double perimeter(const std::vector<VertexIndex>& loop, const Points& points) {
+  double length = 0.0;
+  for (std::size_t i = 0; i < loop.size(); ++i) {
+    length += (points[loop[i]] - points[loop[(i + 1) % loop.size()]]).norm();
+  }
+  return length;
+}
+
+/// The boundary loops of the result but the rim: those that were cut keep their names, others are
+/// gaps. The rim is the longest loop that was not cut.
+std::vector<Opening> name_loops(const Topology& topology, const Points& points,
+                                const std::vector<Opening>& cut,
+                                const std::vector<VertexIndex>& original) {
+  std::vector<Opening> named, gaps;
   double longest = -1.0;
   std::size_t rim = 0;
   for (const auto& loop : topology.boundary_loops()) {
-    double length = 0.0;
-    for (std::size_t i = 0; i < loop.size(); ++i) {
-      length += (points[loop[i]] - points[loop[(i + 1) % loop.size()]]).norm();
+    const auto found = std::find_if(cut.begin(), cut.end(), [&](const Opening& o) {
+      return std::find(loop.begin(), loop.end(), original[o.loop.front()]) != loop.end();
+    });
+    if (found != cut.end()) {
+      named.push_back({found->name, loop, found->score, found->forced});
+      continue;
     }
-    if (length > longest) {
-      longest = length;
+    if (perimeter(loop, points) > longest) {
+      longest = perimeter(loop, points);
       rim = gaps.size();
     }
     gaps.push_back({OpeningName::gap, loop, 0.0, false});
   }
-  if (!gaps.empty()) gaps.erase(gaps.begin() + static_cast<std::ptrdiff_t>(rim));
-  return gaps;
+  std::sort(named.begin(), named.end(), [](auto& a, auto& b) { return a.name < b.name; });
+  for (std::size_t i = 0; i < gaps.size(); ++i) {
+    if (i != rim) named.push_back(std::move(gaps[i]));
+  }
+  return named;
+}
+
+std::shared_ptr<const Topology> to_topology(const EditMesh& mesh,
+                                            const std::vector<VertexIndex>& original) {
+  std::vector<Triangle> faces;
+  for (const auto& t : mesh.triangles())
+    faces.push_back({original[t[0]], original[t[1]], original[t[2]]});
+  return Topology::create(mesh.vertex_count(), std::move(faces));
+}
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void add_warnings(TriangulateResult& result, const MarkerSequence& take) {
+  TriangulateDiagnostics& d = result.diagnostics;
+  const auto warn = [&d](std::string text) { d.warnings.push_back(std::move(text)); };
+  if (!result.all_measured) {
+    warn("in no frame are all markers measured: frame " + std::to_string(result.frame_number) +
+         " was triangulated with filled samples");
+  }
+  if (d.method != "advancing front") warn("the markers were triangulated on a " + d.method);
+  constexpr double flat = 0.005;
+  if (d.outwardness < flat) warn("the markers are almost flat: which side is outside is a guess");
+  if (d.jump_samples > 0) {
+    warn(std::to_string(d.jump_samples) + " of " + std::to_string(take.sample_count()) +
+         " samples lie beyond jumps of their marker and were left out of the search for openings");
+  }
 }
 
 }  // namespace
@@ -113,18 +158,19 @@ TriangulateResult triangulate(const MarkerSequence& take, const TriangulateOptio
   SurfaceOptions surface_options{options.edge_bound, options.rim_bound, options.hole_bound,
                                  renumbered(parse_edges(take, options.edges), position),
                                  renumbered(parse_edges(take, options.no_edges), position)};
-  const Surface surface = reconstruct_surface(pose.points, surface_options);
+  Surface surface = reconstruct_surface(pose.points, surface_options);
+  const double geometry_seconds = seconds_since(start);
+  OpeningSearch search =
+      cut_openings(surface.mesh, pose.points, surface.spacing.mean, take, pose.original,
+                   options.openings, {surface_options.edges, surface_options.no_edges}, ctx);
 
   TriangulateResult result;
-  std::vector<Triangle> faces;
-  for (const auto& t : surface.mesh.triangles()) {
-    faces.push_back({pose.original[t[0]], pose.original[t[1]], pose.original[t[2]]});
-  }
-  result.topology = Topology::create(take.marker_count(), std::move(faces));
+  result.topology = to_topology(surface.mesh, pose.original);
   result.frame = reference.frame;
   result.frame_number = take.first_frame + static_cast<int64_t>(reference.frame);
   result.all_measured = reference.measured == take.marker_count();
-  result.openings = gaps_of(*result.topology, reference.points);
+  result.openings = name_loops(*result.topology, reference.points, search.openings, pose.original);
+  result.candidates = std::move(search.candidates);
   TriangulateDiagnostics& d = result.diagnostics;
   d.spacing = surface.spacing.mean;
   d.method = surface.method;
@@ -137,7 +183,9 @@ TriangulateResult triangulate(const MarkerSequence& take, const TriangulateOptio
   d.frames_measured = reference.frames_measured;
   d.longest_rim_edge =
       longest_rim_edge(*result.topology, reference.points) / std::max(d.spacing, 1e-12);
-  d.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  d.jump_samples = search.jump_samples;
+  d.seconds = geometry_seconds;
+  add_warnings(result, take);
   return result;
 }
 

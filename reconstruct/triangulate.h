@@ -38,6 +38,7 @@ struct TriangulateDiagnostics {
   std::size_t flips = 0;
   double longest_rim_edge = 0.0;  ///< over all boundary edges, in h
   double outwardness = 0.0;  ///< volume under the surface / area^1.5; near 0 the side is a guess
+  std::size_t jump_samples = 0;  ///< left out of the search for openings because the marker jumped
   std::size_t frames_measured = 0;  ///< frames in which every marker is measured
   double seconds = 0.0;             ///< of the geometry, statistics of the motion aside
   std::vector<std::string> warnings;
