@@ -44,6 +44,8 @@ constexpr auto kinds = std::to_array<C3dFindingKind>({
     {"C3D211", warning, "A record's pointer skips bytes behind its end", repair},
     {"C3D212", warning, "The parameter section is absurdly long; reading it stopped", repair},
     {"C3D213", warning, "The last record's pointer leads out of the section", repair},
+    {"C3D214", error, "A parameter has more entries than its dimensions, of 8 bits, can say",
+     repair},
     // Layout and frame counts
     {"C3D301", error, "Header and parameters disagree on the number of frames", repair},
     {"C3D302", error, "The file ends before its last frame",

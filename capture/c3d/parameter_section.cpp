@@ -104,6 +104,7 @@ struct Parser {
     int id = 0;
     std::size_t at = 0;
     std::size_t data = 0;
+    bool overflow = false;   // it has more entries than its last dimension can say
     C3dParameter parameter;  // name, description and lock serve groups too
   };
   std::vector<Record> records;
@@ -121,6 +122,9 @@ struct Parser {
   std::size_t parse_record(std::size_t at);
   std::size_t parse_values(Record& record, std::size_t at, std::size_t stop);
   std::size_t parse_description(Record& record, std::size_t at, std::size_t stop);
+  std::size_t overflowed_count(const C3dParameter& p, std::size_t count, std::size_t at,
+                               std::size_t stop) const;
+  void split_overflow(Record record);
 };
 
 void Parser::run() {
@@ -181,8 +185,62 @@ std::size_t Parser::parse_record(std::size_t at) {
          field);
     next = cursor;
   }
-  if (record.is_group || record.parameter.type != C3dType{}) records.push_back(std::move(record));
+  if (record.overflow) {
+    split_overflow(std::move(record));
+  } else if (record.is_group || record.parameter.type != C3dType{}) {
+    records.push_back(std::move(record));
+  }
   return next;
+}
+
+/// Characters of a text, values of a row: all dimensions but the last.
+std::size_t values_per_entry(const C3dParameter& p) {
+  std::size_t count = 1;
+  for (std::size_t d = 0; d + 1 < p.dimensions.size(); ++d) count *= p.dimensions[d];
+  return count;
+}
+
+/// Values of an array with more entries than the 8 bits of its last dimension can count: a writer
+/// that cuts the number keeps its low byte, or 255. Such an array is known by its record's pointer,
+/// which leads exactly behind that many entries and the description. 0 for any other record.
+std::size_t Parser::overflowed_count(const C3dParameter& p, std::size_t count, std::size_t at,
+                                     std::size_t stop) const {
+  const auto width = static_cast<std::size_t>(std::abs(static_cast<int>(p.type)));
+  const bool list = p.dimensions.size() > (p.type == C3dType::text ? 1U : 0U);
+  const auto ends_at = [&](std::size_t values) {
+    const std::size_t behind = at + values * width;
+    return behind < stop && behind + 1 + byte(behind) == stop;
+  };
+  if (!list || stop >= bytes.size() || ends_at(count)) return 0;
+  const std::size_t entry = values_per_entry(p);
+  const std::size_t declared = p.dimensions.back();
+  const std::size_t step = declared == 255 ? 1 : 256;
+  if (entry == 0) return 0;
+  for (std::size_t n = declared + step; n * entry * width < stop - at; n += step) {
+    if (ends_at(n * entry)) return n * entry;
+  }
+  return 0;
+}
+
+/// The first 255 entries under the parameter's name, the next under NAME2, and so on.
+void Parser::split_overflow(Record record) {
+  const C3dParameter whole = record.parameter;
+  const std::size_t entry = values_per_entry(whole);
+  const std::size_t values = std::max(whole.characters.size(), whole.numbers.size());
+  for (std::size_t from = 0, part = 1; from < values; from += 255 * entry, ++part) {
+    const std::size_t count = std::min(255 * entry, values - from);
+    C3dParameter& p = record.parameter;
+    p = whole;
+    if (part > 1) p.name += std::to_string(part);
+    p.dimensions.back() = static_cast<uint8_t>(count / entry);
+    if (whole.type == C3dType::text) {
+      p.characters = whole.characters.substr(from, count);
+    } else {
+      p.numbers.assign(whole.numbers.begin() + static_cast<std::ptrdiff_t>(from),
+                       whole.numbers.begin() + static_cast<std::ptrdiff_t>(from + count));
+    }
+    records.push_back(record);
+  }
 }
 
 /// Type, dimensions and values. Returns the byte behind them, or 0 when the type is unknown (then
@@ -209,6 +267,14 @@ std::size_t Parser::parse_values(Record& record, std::size_t at, std::size_t sto
   at += 2 + dimensions;
   record.data = at;
   const auto width = static_cast<std::size_t>(std::abs(type));
+  if (const std::size_t all = overflowed_count(p, count, at, stop); all != 0) {
+    note("C3D214",
+         "the dimensions of " + p.name + " say " + std::to_string(p.dimensions.back()) +
+             " entries, its record holds " + std::to_string(all / values_per_entry(p)),
+         record.at);
+    record.overflow = true;
+    count = all;
+  }
   if (count * width > stop - at) {
     note("C3D204",
          "the dimensions of " + p.name + " claim " + std::to_string(count * width) +

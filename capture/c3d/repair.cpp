@@ -40,6 +40,7 @@ const std::map<std::string_view, std::string_view>& deeds() {
       {"C3D211", "the bytes between the records were removed"},
       {"C3D212", "the parameter section was written anew with the parameters that could be read"},
       {"C3D213", "the pointer of the last record was corrected"},
+      {"C3D214", "the entries beyond 255 were written to a second parameter"},
       {"C3D301", "header and parameters give the same number of frames now"},
       {"C3D302", "the complete frames were kept and the counts corrected"},
       {"C3D303", "header and POINT:DATA_START agree now"},

@@ -10,6 +10,7 @@
 
 #include "capture/c3d/header_block.h"
 #include "capture/c3d/number_format.h"
+#include "capture/c3d/parameter_section.h"
 #include "capture/c3d/writer.h"
 #include "capture/session_diff.h"
 #include "config/error.h"
@@ -66,7 +67,7 @@ C3dRepairResult expect_mended(const std::string& sound, const std::string& damag
   SessionDiffOptions exact{
       .tolerance_mm = 0, .event_tolerance_s = 0, .analog_tolerance = 0, .parameters = false};
   for (const Difference& d : diff_sessions(whole.take, back.take, exact).differences) {
-    if (d.kind == DifferenceKind::frames && frames != 40) continue;
+    if (d.kind == DifferenceKind::frames && frames != whole.take.frame_count()) continue;
     ADD_FAILURE() << d.place << ": " << d.message;
   }
   return result;
@@ -149,6 +150,48 @@ TEST(C3dRepair, BlockCountOfTheParametersTooSmall) {
     std::string damaged = sound;
     damaged[test::read_encoded(sound).layout.parameters_begin + 2] = 1;
     expect_mended(sound, damaged, "C3D201");
+  }
+}
+
+/// The file with all labels in one LABELS record whose dimension says `count`.
+std::string with_overflowed_labels(const std::string& sound, uint8_t count) {
+  const C3dReadResult whole = test::read_encoded(sound);
+  const Processor p = whole.layout.processor;
+  C3dParameters tree = whole.take.parameters;
+  C3dParameter* labels = tree.find("POINT", "LABELS");
+  const std::size_t width = labels->dimensions[0];
+  std::string all = labels->characters;
+  for (const char* more : {"LABELS2", "LABELS3"}) {
+    if (tree.find("POINT", more) != nullptr) all += tree.find("POINT", more)->characters;
+  }
+  labels->characters = all.substr(0, count * width);
+  labels->dimensions[1] = count;
+  std::erase_if(tree.group("POINT")->parameters,
+                [](const C3dParameter& q) { return q.name == "LABELS2" || q.name == "LABELS3"; });
+  std::vector<std::string> ignored;
+  const std::string section = encode_section(tree, p, ignored);
+  std::string damaged = encode_header(whole.header, p) + section;
+  const std::size_t values = test::place_of(damaged, "POINT", "LABELS");
+  damaged.insert(values + count * width, all.substr(count * width));
+  const std::size_t pointer = values - 6;  // behind it: type, number of dimensions, two dimensions
+  const auto old = read_u16(reinterpret_cast<const std::byte*>(damaged.data()) + pointer, p);
+  put_word(damaged, pointer, static_cast<uint16_t>(old + all.size() - count * width), p);
+  damaged.resize((damaged.size() + 511) / 512 * 512, '\0');
+  const auto block = static_cast<uint16_t>(damaged.size() / 512 + 1);
+  put_word(damaged, 16, block, p);
+  const auto start = damaged.find("DATA_START");
+  put_word(damaged, start + 10 + 4, block, p);
+  return damaged + sound.substr(whole.layout.data_begin);
+}
+
+TEST(C3dRepair, MoreLabelsThanEightBitsCanCount) {
+  for (const Variant& v : variants()) {
+    const std::string sound = encode(test::make_take(10, 300), v);
+    for (const uint8_t count : {static_cast<uint8_t>(300 & 255), uint8_t{255}}) {
+      expect_mended(sound, with_overflowed_labels(sound, count), "C3D214", 10);
+    }
+    const std::string even = encode(test::make_take(10, 512), v);  // the low byte is 0
+    expect_mended(even, with_overflowed_labels(even, 0), "C3D214", 10);
   }
 }
 
