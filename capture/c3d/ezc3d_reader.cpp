@@ -117,4 +117,8 @@ void reread_with_ezc3d(const std::filesystem::path& path, const C3dReadOptions& 
   }
 }
 
+std::size_t load_with_ezc3d(const std::filesystem::path& path) {
+  return ezc3d::c3d(path.string()).data().nbFrames();
+}
+
 }  // namespace kinemesh

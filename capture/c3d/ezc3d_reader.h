@@ -1,6 +1,7 @@
 // The ezc3d library as a second reader, for comparison. Nothing else in Kinemesh uses ezc3d.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 
@@ -17,5 +18,9 @@ std::string ezc3d_refusal(const C3dReadResult& result);
 /// Throws InputError when ezc3d_refusal() is not empty or ezc3d fails.
 void reread_with_ezc3d(const std::filesystem::path& path, const C3dReadOptions& options,
                        C3dReadResult& result, bool as_it_says = false);
+
+/// Loads a file with ezc3d and does nothing else with it: the reference of the benchmark. Returns
+/// the number of frames. Throws what ezc3d throws.
+std::size_t load_with_ezc3d(const std::filesystem::path& path);
 
 }  // namespace kinemesh
