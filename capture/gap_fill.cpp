@@ -4,13 +4,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "capture/fill/automatic.h"
-#include "capture/fill/companions.h"
-#include "capture/fill/left_out.h"
-#include "capture/fill/spline.h"
-#include "config/error.h"
+#include "capture/fill/filler.h"
 #include "config/parallel.h"
-#include "config/text.h"
 
 namespace kinemesh {
 namespace {
@@ -18,69 +13,6 @@ namespace {
 using fill::Estimate;
 using fill::GapAt;
 using fill::Trajectories;
-
-/// Indices of markers by label.
-std::size_t marker_named(const MarkerSequence& take, const std::string& label,
-                         const char* parameter) {
-  const std::size_t m = take.find(label);
-  if (m != MarkerSequence::npos) return m;
-  std::vector<std::string> labels;
-  for (const Marker& marker : take.markers()) labels.push_back(marker.label);
-  const std::string near = nearest_word(label, labels);
-  throw UsageError(
-      {.what = "--" + std::string(parameter) + " names no marker of the take: \"" + label + "\"",
-       .remedy = near.empty() ? "see the labels with \"kinemesh c3d info\""
-                              : "did you mean \"" + near + "\"?"});
-}
-
-/// Options resolved against one take.
-struct Plan {
-  FillMethod method = FillMethod::automatic;
-  std::size_t max_gap = 0;  // frames
-  std::size_t donor = MarkerSequence::npos;
-  std::vector<std::size_t> companions;
-};
-
-Plan resolve(const MarkerSequence& take, const GapFillOptions& options) {
-  Plan plan;
-  plan.method = options.method;
-  plan.max_gap = static_cast<std::size_t>(std::floor(options.max_gap_s * take.rate_hz + 1e-6));
-  if (!options.donor.empty()) plan.donor = marker_named(take, options.donor, "donor");
-  for (const std::string& label : options.companions) {
-    plan.companions.push_back(marker_named(take, label, "companion"));
-  }
-  return plan;
-}
-
-std::optional<Estimate> fill_by(const Plan& plan, const Trajectories& take, const GapAt& gap) {
-  switch (plan.method) {
-    case FillMethod::linear:
-    case FillMethod::cubic:
-    case FillMethod::quintic:
-      if (gap.frames.size() > plan.max_gap) return std::nullopt;
-      return fill_spline(take, gap,
-                         plan.method == FillMethod::linear  ? 1
-                         : plan.method == FillMethod::cubic ? 3
-                                                            : 5);
-    case FillMethod::pattern: {
-      if (plan.donor != MarkerSequence::npos) return fill_pattern(take, gap, plan.donor);
-      const auto near = seen_throughout(take, gap, take.nearest(gap.marker), 1);
-      return near.empty() ? std::nullopt : fill_pattern(take, gap, near.front());
-    }
-    case FillMethod::rigid: {
-      if (!plan.companions.empty()) return fill_rigid(take, gap, plan.companions);
-      constexpr std::size_t companions = 6;
-      return fill_rigid(take, gap,
-                        seen_throughout(take, gap, take.nearest(gap.marker), companions));
-    }
-    default: return std::nullopt;
-  }
-}
-
-struct Filled {
-  std::optional<Estimate> estimate;
-  FillMethod method = FillMethod::automatic;
-};
 
 void write(const GapAt& gap, const Estimate& estimate, MarkerSequence& take) {
   for (std::size_t i = 0; i < gap.frames.size(); ++i) {
@@ -143,8 +75,8 @@ void GapFillOptions::declare(ParameterSet& p) {
 GapFillResult fill_gaps(const MarkerSequence& take, const GapFillOptions& options,
                         const RunContext& ctx) {
   options.validate();
-  const Plan plan = resolve(take, options);
   const Trajectories trajectories(take);
+  const fill::Filler filler(take.markers(), trajectories, options);
   GapFillResult result;
   result.take = take;
   std::vector<GapAt> gaps;
@@ -162,17 +94,8 @@ GapFillResult fill_gaps(const MarkerSequence& take, const GapFillOptions& option
   if (gaps.empty()) return result;
   result.take.add_uncertainty();
 
-  std::vector<Filled> filled(gaps.size());
-  const fill::Automatic automatic(trajectories);
-  const fill::Method chosen = [&](const GapAt& gap) { return fill_by(plan, trajectories, gap); };
-  parallel_for(ctx, gaps.size(), 1, [&](std::size_t i) {
-    filled[i] = {chosen(gaps[i]), plan.method};
-    if (filled[i].estimate) {
-      set_sd_from_left_out(trajectories, gaps[i], chosen, *filled[i].estimate);
-    } else if (options.fill_rest || plan.method == FillMethod::automatic) {
-      filled[i] = {automatic.fill(gaps[i]), FillMethod::automatic};
-    }
-  });
+  std::vector<fill::Filled> filled(gaps.size());
+  parallel_for(ctx, gaps.size(), 1, [&](std::size_t i) { filled[i] = filler.fill(gaps[i]); });
   for (std::size_t i = 0; i < gaps.size(); ++i) {
     if (!filled[i].estimate) continue;
     const Estimate& estimate = *filled[i].estimate;

@@ -1,6 +1,9 @@
-// The default way of filling a gap.
+// The default way of filling a gap: a Gaussian process on the other markers and time.
 #pragma once
 
+#include <vector>
+
+#include "capture/fill/gaussian_process.h"
 #include "capture/fill/trajectories.h"
 
 namespace kinemesh::fill {
@@ -8,12 +11,17 @@ namespace kinemesh::fill {
 /// Prepared once for a take, then asked for each gap, from any thread.
 class Automatic {
  public:
-  explicit Automatic(const Trajectories& take) : take_(take) {}
+  explicit Automatic(const Trajectories& take);
   /// Always gives an estimate, with its uncertainty, for a marker that is measured at least once.
   Estimate fill(const GapAt& gap) const;
 
  private:
   const Trajectories& take_;
+  Trajectories rough_;
 };
+
+/// The take with every gap filled provisionally: by the mean displacement of up to six neighbours
+/// seen throughout it, or on a straight line, joined to the measured samples at both ends.
+Trajectories fill_roughly(const Trajectories& take);
 
 }  // namespace kinemesh::fill

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace kinemesh::fill {
 
@@ -71,7 +72,11 @@ void Trajectories::put(std::size_t marker, std::size_t frame, const Eigen::Vecto
 }
 
 void Trajectories::forget(std::size_t marker, FrameRange range) {
-  for (std::size_t f = range.begin; f < range.end; ++f) measured_[marker * frames_ + f] = 0;
+  for (std::size_t f = range.begin; f < range.end; ++f) {
+    const std::size_t i = marker * frames_ + f;
+    measured_[i] = 0;
+    std::fill_n(xyz_.data() + 3 * i, 3, std::numeric_limits<double>::quiet_NaN());
+  }
   update(marker);
 }
 
