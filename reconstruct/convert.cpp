@@ -5,7 +5,6 @@
 
 #include "config/error.h"
 #include "config/text.h"
-#include "reconstruct/topology_reuse.h"
 
 namespace kinemesh {
 namespace {
@@ -78,13 +77,14 @@ void ConvertOptions::validate() const {
 }
 
 ConvertResult convert_session(const MarkerSequence& session, const ConvertOptions& options,
-                              const std::optional<Mesh>& previous, const RunContext& ctx) {
+                              const RunContext& ctx) {
   options.validate();
   if (session.frame_count() == 0) {
     throw NoResultError({.what = "the session has no frames", .file = session.origin.path});
   }
   ConvertResult result;
-  result.selection = select_markers(session, options.selection, ctx.part(0.0, 0.02, "choosing markers"));
+  result.selection =
+      select_markers(session, options.selection, ctx.part(0.0, 0.02, "choosing markers"));
   result.warnings = result.selection.warnings;
   Working working = working_set(session, result.selection);
   if (options.stabilise) {
@@ -97,12 +97,11 @@ ConvertResult convert_session(const MarkerSequence& session, const ConvertOption
   }
   const MarkerSequence faces = fill(working, options, result, ctx.part(0.15, 0.6, "filling gaps"));
   const RunContext meshing = ctx.part(0.6, 0.9, "triangulating");
-  result.triangulation = previous ? reuse_topology(faces, *previous, options.triangulate, meshing)
-                                  : triangulate(faces, options.triangulate, meshing);
+  result.triangulation = triangulate(faces, options.triangulate, meshing);
   std::ranges::copy(result.triangulation.diagnostics.warnings, std::back_inserter(result.warnings));
-  CarryResult carried = carry_topology(result.triangulation.topology, faces,
-                                       result.triangulation.frame, options.carry,
-                                       ctx.part(0.9, 1.0, "carrying the topology"));
+  CarryResult carried =
+      carry_topology(result.triangulation.topology, faces, result.triangulation.frame,
+                     options.carry, ctx.part(0.9, 1.0, "carrying the topology"));
   result.animation = std::move(carried.animation);
   result.quality = std::move(carried.quality);
   result.summary = carried.summary;

@@ -43,16 +43,15 @@ struct ConvertResult {
   std::vector<MarkerGaps> gaps;      ///< one per vertex, as recorded
   std::vector<Fill> fills;           ///< marker is the vertex
   TriangulateResult triangulation;
-  std::vector<FrameQuality> quality; ///< one per frame
+  std::vector<FrameQuality> quality;  ///< one per frame
   CarrySummary summary;
-  std::vector<std::string> warnings; ///< what is doubtful, in full sentences
+  std::vector<std::string> warnings;  ///< what is doubtful, in full sentences
 };
 
-/// Converts a session. With `previous`, its triangulation is used again by marker name.
+/// Converts a session.
 /// Throws NoResultError when no marker is left or no mesh can be made of them, UsageError for
 /// options that do not fit the session.
 ConvertResult convert_session(const MarkerSequence& session, const ConvertOptions& options = {},
-                              const std::optional<Mesh>& previous = {},
                               const RunContext& ctx = {});
 
 }  // namespace kinemesh

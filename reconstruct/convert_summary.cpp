@@ -37,7 +37,8 @@ std::string left_out_text(const MarkerSelectionResult& selection) {
     if (!decision.chosen) ++counts[decision.text];
   }
   std::vector<std::string> parts;
-  for (const auto& [text, count] : counts) parts.push_back(std::to_string(count) + " (" + text + ")");
+  for (const auto& [text, count] : counts)
+    parts.push_back(std::to_string(count) + " (" + text + ")");
   return join(parts, "; ");
 }
 
@@ -45,9 +46,10 @@ std::string openings_text(const ConvertResult& result) {
   if (result.triangulation.openings.empty()) return "none";
   std::vector<std::string> parts;
   for (const Opening& opening : result.triangulation.openings) {
-    parts.push_back(std::string(name_of(opening.name)) + " (ring of " +
-                    count_of(opening.loop.size(), "marker") +
-                    (opening.forced ? ", as asked for)" : ", score " + format_fixed(opening.score, 2) + ")"));
+    parts.push_back(
+        std::string(name_of(opening.name)) + " (ring of " +
+        count_of(opening.loop.size(), "marker") +
+        (opening.forced ? ", as asked for)" : ", score " + format_fixed(opening.score, 2) + ")"));
   }
   return join(parts, "; ");
 }
@@ -59,10 +61,11 @@ Json gaps_json(const ConvertResult& result) {
     Json fills = Json::array();
     for (const Fill& fill : result.fills) {
       if (fill.marker != v) continue;
-      fills.push_back({{"first_frame", result.animation.first_frame + static_cast<int64_t>(fill.frames.begin)},
-                       {"frames", fill.frames.size()},
-                       {"method", name_of(fill.method)},
-                       {"mean_sd_mm", fill.mean_sd_mm}});
+      fills.push_back(
+          {{"first_frame", result.animation.first_frame + static_cast<int64_t>(fill.frames.begin)},
+           {"frames", fill.frames.size()},
+           {"method", name_of(fill.method)},
+           {"mean_sd_mm", fill.mean_sd_mm}});
     }
     list.push_back({{"label", result.markers[v].label},
                     {"subject", result.markers[v].subject},
@@ -102,7 +105,8 @@ Json left_out_json(const MarkerSequence& session, const MarkerSelectionResult& s
   Json list = Json::array();
   for (std::size_t m = 0; m < selection.decisions.size(); ++m) {
     if (selection.decisions[m].chosen) continue;
-    list.push_back({{"label", session.markers()[m].label}, {"reason", selection.decisions[m].text}});
+    list.push_back(
+        {{"label", session.markers()[m].label}, {"reason", selection.decisions[m].text}});
   }
   return list;
 }
@@ -147,11 +151,12 @@ std::vector<std::string> doubts_of(const ConvertResult& result) {
   }
   for (const Fill& fill : result.fills) {
     if (fill.mean_sd_mm <= 1.0) continue;
-    doubts.push_back("marker '" + label_of(result.markers[fill.marker]) + "', frames " +
-                     std::to_string(result.animation.first_frame + static_cast<int64_t>(fill.frames.begin)) +
-                     " to " +
-                     std::to_string(result.animation.first_frame + static_cast<int64_t>(fill.frames.end) - 1) +
-                     ": estimated with an uncertainty of " + format_fixed(fill.mean_sd_mm, 1) + " mm");
+    doubts.push_back(
+        "marker '" + label_of(result.markers[fill.marker]) + "', frames " +
+        std::to_string(result.animation.first_frame + static_cast<int64_t>(fill.frames.begin)) +
+        " to " +
+        std::to_string(result.animation.first_frame + static_cast<int64_t>(fill.frames.end) - 1) +
+        ": estimated with an uncertainty of " + format_fixed(fill.mean_sd_mm, 1) + " mm");
   }
   if (result.summary.frames_with_flips > 0) {
     doubts.push_back(count_of(result.summary.frames_with_flips, "frame") + " of " +
@@ -184,7 +189,8 @@ std::string summary_text(const MarkerSequence& session, const ConvertResult& res
                    ? "none"
                    : count_of(result.fills.size(), "gap") + " filled, " +
                          format_fixed(100.0 * static_cast<double>(filled_frames(result)) /
-                                          static_cast<double>(std::max<std::size_t>(result.summary.samples, 1)),
+                                          static_cast<double>(
+                                              std::max<std::size_t>(result.summary.samples, 1)),
                                       2) +
                          " % of all samples");
   line("mesh", count_of(mesh.topology().vertex_count(), "vertex", "vertices") + ", " +
@@ -204,28 +210,28 @@ std::string summary_json(const MarkerSequence& session, const ConvertResult& res
   for (const Provenance::Input& input : mesh.provenance.inputs) {
     inputs.push_back({{"path", input.path}, {"sha256", input.sha256}});
   }
-  const Json document = {
-      {"program", mesh.provenance.program},
-      {"command", mesh.provenance.command},
-      {"inputs", std::move(inputs)},
-      {"session",
-       {{"points", session.marker_count()},
-        {"frames", mesh.frame_count()},
-        {"first_frame", mesh.first_frame},
-        {"rate_hz", mesh.rate_hz},
-        {"duration_s", mesh.duration_s()},
-        {"unit", session.origin.unit},
-        {"written_by", session.origin.manufacturer}}},
-      {"markers", gaps_json(result)},
-      {"left_out", left_out_json(session, result.selection)},
-      {"head", {{"stabilised", !result.head_poses.empty()},
-                {"rigid_markers", result.rigid},
-                {"error_mm", result.head_error_mm}}},
-      {"mesh", mesh_json(result)},
-      {"quality", quality_json(result)},
-      {"doubtful", doubts_of(result)},
-      {"outputs", outputs},
-      {"options", mesh.provenance.options}};
+  const Json document = {{"program", mesh.provenance.program},
+                         {"command", mesh.provenance.command},
+                         {"inputs", std::move(inputs)},
+                         {"session",
+                          {{"points", session.marker_count()},
+                           {"frames", mesh.frame_count()},
+                           {"first_frame", mesh.first_frame},
+                           {"rate_hz", mesh.rate_hz},
+                           {"duration_s", mesh.duration_s()},
+                           {"unit", session.origin.unit},
+                           {"written_by", session.origin.manufacturer}}},
+                         {"markers", gaps_json(result)},
+                         {"left_out", left_out_json(session, result.selection)},
+                         {"head",
+                          {{"stabilised", !result.head_poses.empty()},
+                           {"rigid_markers", result.rigid},
+                           {"error_mm", result.head_error_mm}}},
+                         {"mesh", mesh_json(result)},
+                         {"quality", quality_json(result)},
+                         {"doubtful", doubts_of(result)},
+                         {"outputs", outputs},
+                         {"options", mesh.provenance.options}};
   return document.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -251,7 +257,8 @@ GapChart gap_chart_of(const ConvertResult& result) {
   for (const Fill& fill : result.fills) {
     const bool spline = fill.method == FillMethod::linear || fill.method == FillMethod::cubic ||
                         fill.method == FillMethod::quintic;
-    chart.markers[fill.marker].gaps.push_back({fill.frames.begin, fill.frames.end, spline ? 1U : 2U});
+    chart.markers[fill.marker].gaps.push_back(
+        {fill.frames.begin, fill.frames.end, spline ? 1U : 2U});
   }
   return chart;
 }

@@ -86,8 +86,9 @@ std::vector<std::string> write_outputs(const State& state, const MarkerSequence&
                                        const FormatRegistry& formats, const ConvertResult& result,
                                        const Terminal& terminal) {
   std::vector<std::string> outputs;
-  const WriteResult written = write_animation(formats, result.animation, state.output,
-                                              state.writing, terminal.run.part(0.7, 0.85, "writing"));
+  const WriteResult written =
+      write_animation(formats, result.animation, state.output, state.writing,
+                      terminal.run.part(0.7, 0.85, "writing"));
   for (const std::string& note : written.report.notes) terminal.run.info(note);
   // A numbered sequence is named by its first and last file.
   outputs.push_back(written.files.front().string());
@@ -111,15 +112,10 @@ ExitCode convert(State& state, Terminal& terminal) {
       read_session(state.session, state.reading, terminal.run.part(0.0, 0.1, "reading"));
   // A wrong name or format is said before the work is done, not after it.
   output_format(formats, state.output, state.writing, session.frame_count());
-  std::optional<Mesh> previous;
-  if (!state.previous.empty()) {
-    previous = read_mesh(formats, state.previous, {}, terminal.run);
-  }
-  ConvertResult result = convert_session(session, state.options, previous,
-                                         terminal.run.part(0.1, 0.7, "converting"));
+  ConvertResult result =
+      convert_session(session, state.options, terminal.run.part(0.1, 0.7, "converting"));
   result.animation.provenance = provenance_of(state, terminal);
-  const std::vector<std::string> outputs =
-      write_outputs(state, session, formats, result, terminal);
+  const std::vector<std::string> outputs = write_outputs(state, session, formats, result, terminal);
   terminal.run.progress(1.0);
   if (terminal.json) {
     terminal.print(summary_json(session, result, outputs));
@@ -135,16 +131,15 @@ ExitCode convert(State& state, Terminal& terminal) {
 CommandSpec convert_command() {
   return {.path = "convert",
           .summary = "Turn a recorded session into an animated mesh, with pictures and a summary",
-          .example = "kinemesh convert session.c3d -o face.ply\n"
-                     "kinemesh convert session.c3d -o face.pvd --stabilise --max-gap 0.1\n"
-                     "kinemesh convert surprise.c3d -o surprise.ply --topology happy.ply",
+          .example =
+              "kinemesh convert session.c3d -o face.ply\n"
+              "kinemesh convert session.c3d -o face.pvd --stabilise --max-gap 0.1\n"
+              "kinemesh convert surprise.c3d -o surprise.ply --topology happy.ply",
           .setup = [](CommandLine& line) -> Action {
             auto state = std::make_shared<State>();
             line.positional("SESSION", state->session, "The session: C3D, TRC or CSV");
             line.option("-o,--output", state->output, "OUT",
                         "File of the animated mesh; its extension decides the format", true);
-            line.option("--topology", state->previous, "PREVIOUS",
-                        "Use the triangulation of this mesh again, by marker name");
             line.parameters([state](ParameterSet& p) { state->declare(p); });
             line.json_output();
             return [state](Terminal& terminal) { return convert(*state, terminal); };
