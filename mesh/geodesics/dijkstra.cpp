@@ -21,8 +21,8 @@ struct EdgeGraph {
     const auto each = [&](auto&& visit) {
       for (HalfedgeIndex h = 0; h < halfedges; ++h) {
         const Frame& frame = mesh.frame(h);
-        visit(frame.v1, frame.v2, frame.length);
-        if (mesh.twin(h) == invalid_index) visit(frame.v2, frame.v1, frame.length);
+        visit(frame.ends[0], frame.ends[1], frame.length);
+        if (mesh.twin(h) == invalid_index) visit(frame.ends[1], frame.ends[0], frame.length);
       }
     };
     each([&](VertexIndex from, VertexIndex, double) { ++offsets[from + 1]; });
@@ -56,7 +56,7 @@ EdgePaths dijkstra(const UnfoldedMesh& mesh, std::span<const SurfacePoint> sourc
   };
   for (uint32_t s = 0; s < sources.size(); ++s) {
     for (HalfedgeIndex h = 3 * sources[s].face; h < 3 * sources[s].face + 3; ++h) {
-      reach(mesh.frame(h).v1, mesh.in_frame(h, sources[s].weights).norm(),
+      reach(mesh.frame(h).ends[0], mesh.in_frame(h, sources[s].weights).norm(),
             static_cast<uint32_t>(mesh.vertex_count() + s));
     }
   }

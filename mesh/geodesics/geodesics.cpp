@@ -176,7 +176,7 @@ void GeodesicSolver::Data::solve_dijkstra(GeodesicField& field, double radius,
     double best = unreachable;
     GeodesicArrival arrival;
     for (HalfedgeIndex h = 3 * target.face; h < 3 * target.face + 3; ++h) {
-      const VertexIndex v = mesh.frame(h).v1;
+      const VertexIndex v = mesh.frame(h).ends[0];
       const double distance = paths.distances[v] + mesh.in_frame(h, target.weights).norm();
       if (!(distance < best)) continue;
       best = distance;

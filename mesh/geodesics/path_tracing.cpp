@@ -20,14 +20,14 @@ struct Position {
 bool at_origin(const UnfoldedMesh& mesh, const Position& p, const SurfacePoint& origin,
                VertexIndex vertex) {
   const Frame& frame = mesh.frame(p.halfedge);
-  const double tolerance = 1e-6 * (frame.length + frame.left_length + frame.right_length);
+  const double tolerance = 1e-6 * (frame.length + frame.sides[0].length + frame.sides[1].length);
   Eigen::Vector2d place;
   if (vertex != invalid_index) {
-    if (frame.v3 == vertex) {
+    if (frame.apex == vertex) {
       place = {frame.px, frame.py};
-    } else if (frame.v1 == vertex) {
+    } else if (frame.ends[0] == vertex) {
       place = {0.0, 0.0};
-    } else if (frame.v2 == vertex) {
+    } else if (frame.ends[1] == vertex) {
       place = {frame.length, 0.0};
     } else {
       return false;
@@ -44,12 +44,12 @@ bool next_face(const UnfoldedMesh& mesh, Position& p, std::vector<SurfacePoint>&
   const Frame& frame = mesh.frame(p.halfedge);
   const Eigen::Vector2d apex(frame.px, frame.py), way = p.origin - p.here;
   const bool left = cross(way, apex - p.here) <= 0.0;  // the apex lies right of the way
-  const HalfedgeIndex entered = left ? frame.left : frame.right;
+  const HalfedgeIndex entered = left ? frame.beyond[0] : frame.beyond[1];
   if (entered == invalid_index) return false;
   const Eigen::Vector2d corner = left ? Eigen::Vector2d::Zero() : apex;
-  const Eigen::Vector2d axis = left ? Eigen::Vector2d(frame.cos_left, frame.sin_left)
-                                    : Eigen::Vector2d(frame.cos_right, -frame.sin_right);
-  const double length = left ? frame.left_length : frame.right_length;
+  const Eigen::Vector2d axis = left ? Eigen::Vector2d(frame.sides[0].cos, frame.sides[0].sin)
+                                    : Eigen::Vector2d(frame.sides[1].cos, -frame.sides[1].sin);
+  const double length = left ? frame.sides[0].length : frame.sides[1].length;
   const double slope = cross(axis, way);
   if (!(slope > 0.0)) return false;  // the way leads back
   const double along = std::clamp(cross(p.here - corner, way) / slope, 0.0, length);
@@ -63,13 +63,15 @@ bool next_face(const UnfoldedMesh& mesh, Position& p, std::vector<SurfacePoint>&
 VertexIndex apex_on_way(const Frame& frame, const Position& p) {
   const Eigen::Vector2d way = p.origin - p.here,
                         to_apex = Eigen::Vector2d(frame.px, frame.py) - p.here;
-  return std::abs(cross(way, to_apex)) <= 1e-9 * frame.left_length * way.norm() ? frame.v3
-                                                                                : invalid_index;
+  return std::abs(cross(way, to_apex)) <= 1e-9 * frame.sides[0].length * way.norm() ? frame.apex
+                                                                                    : invalid_index;
 }
 
 TraceEnd at_vertex(VertexIndex v) { return {false, {v, invalid_index, invalid_index}}; }
 
-TraceEnd lost_in(const Frame& frame) { return {false, {frame.v1, frame.v2, frame.v3}, true}; }
+TraceEnd lost_in(const Frame& frame) {
+  return {false, {frame.ends[0], frame.ends[1], frame.apex}, true};
+}
 
 }  // namespace
 
@@ -80,8 +82,8 @@ TraceEnd trace_straight(const UnfoldedMesh& mesh, const Eigen::Vector2d& start,
   const double depth = arrival.y + start.y();
   const double crossing =
       depth > 0.0 ? start.x() + (arrival.x - start.x()) * start.y() / depth : start.x();
-  if (!(crossing > 1e-9 * first.length)) return at_vertex(first.v1);
-  if (!(crossing < (1.0 - 1e-9) * first.length)) return at_vertex(first.v2);
+  if (!(crossing > 1e-9 * first.length)) return at_vertex(first.ends[0]);
+  if (!(crossing < (1.0 - 1e-9) * first.length)) return at_vertex(first.ends[1]);
   points.push_back(mesh.to_surface_point(arrival.halfedge, {crossing, 0.0}));
   Position p{mesh.twin(arrival.halfedge),
              {first.length - crossing, 0.0},

@@ -83,21 +83,21 @@ void place_apex(Frame& frame, const Eigen::Vector3d& v1, const Eigen::Vector3d& 
   const Eigen::Vector3d base = v2 - v1, side = v3 - v1;
   frame.px = base.dot(side) / frame.length;
   frame.py = base.cross(side).norm() / frame.length;
-  frame.cos_left = frame.px / frame.left_length;
-  frame.sin_left = frame.py / frame.left_length;
-  frame.cos_right = (frame.length - frame.px) / frame.right_length;
-  frame.sin_right = frame.py / frame.right_length;
+  frame.sides[0].cos = frame.px / frame.sides[0].length;
+  frame.sides[0].sin = frame.py / frame.sides[0].length;
+  frame.sides[1].cos = (frame.length - frame.px) / frame.sides[1].length;
+  frame.sides[1].sin = frame.py / frame.sides[1].length;
 }
 
 /// The same from the lengths, for faces whose edges were lengthened.
 void place_apex(Frame& frame) {
-  const double a = frame.left_length, b = frame.right_length, l = frame.length;
+  const double a = frame.sides[0].length, b = frame.sides[1].length, l = frame.length;
   const double twice_area = double_area(l, a, b);
   const Eigen::Vector2d left = corner(l, a, b, twice_area), right = corner(l, b, a, twice_area);
-  frame.cos_left = left.x();
-  frame.sin_left = left.y();
-  frame.cos_right = right.x();
-  frame.sin_right = right.y();
+  frame.sides[0].cos = left.x();
+  frame.sides[0].sin = left.y();
+  frame.sides[1].cos = right.x();
+  frame.sides[1].sin = right.y();
   frame.px = a < b ? a * left.x() : l - b * right.x();
   frame.py = twice_area / l;
 }
@@ -141,21 +141,21 @@ void UnfoldedMesh::build_frames(const Topology& topology,
     const HalfedgeIndex next = Topology::next(h), previous = Topology::previous(h);
     Frame& frame = frames_[inner(h)];
     frame.length = intrinsic.lengths[h];
-    frame.right_length = intrinsic.lengths[next];
-    frame.left_length = intrinsic.lengths[previous];
+    frame.sides[1].length = intrinsic.lengths[next];
+    frame.sides[0].length = intrinsic.lengths[previous];
     const VertexIndex v1 = topology.from(h), v2 = topology.to(h), v3 = topology.to(next);
     if (intrinsic.changed_faces[h / 3]) {
       place_apex(frame);
     } else {
       place_apex(frame, positions[v1], positions[v2], positions[v3]);
     }
-    frame.left = inner(topology.twin(previous));
-    frame.right = inner(topology.twin(next));
-    frame.v1 = inner_vertices_[v1];
-    frame.v2 = inner_vertices_[v2];
-    frame.v3 = inner_vertices_[v3];
+    frame.beyond[0] = inner(topology.twin(previous));
+    frame.beyond[1] = inner(topology.twin(next));
+    frame.ends[0] = inner_vertices_[v1];
+    frame.ends[1] = inner_vertices_[v2];
+    frame.apex = inner_vertices_[v3];
     twins_[inner(h)] = inner(topology.twin(h));
-    corner_angles_[inner(h)] = std::atan2(frame.sin_left, frame.cos_left);
+    corner_angles_[inner(h)] = std::atan2(frame.sides[0].sin, frame.sides[0].cos);
   }
 }
 
@@ -167,7 +167,7 @@ void UnfoldedMesh::build_fans() {
   corner_starts_.assign(frames_.size(), 0.0);
   std::vector<uint32_t> corner_counts(vertices, 0);
   for (HalfedgeIndex h = 0; h < frames_.size(); ++h) {
-    const VertexIndex v = frames_[h].v1;
+    const VertexIndex v = frames_[h].ends[0];
     ++corner_counts[v];
     if (outgoing_[v] == invalid_index || twins_[h] == invalid_index) outgoing_[v] = h;
   }
@@ -193,7 +193,7 @@ void UnfoldedMesh::build_fans() {
 
 void UnfoldedMesh::list_irregular_corners() {
   for (HalfedgeIndex h = 0; h < frames_.size(); ++h) {
-    const VertexIndex v = frames_[h].v1;
+    const VertexIndex v = frames_[h].ends[0];
     if (kinds_[v] == VertexKind::irregular) irregular_corners_[v].push_back(h);
   }
 }

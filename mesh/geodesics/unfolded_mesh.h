@@ -7,6 +7,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <unordered_map>
@@ -18,16 +19,20 @@
 
 namespace kinemesh::geodesics {
 
+/// One of the two sides of a triangle that lead to v3.
+struct FrameSide {
+  double cos, sin;  // of the angle between the side and v1 v2
+  double length;
+};
+
 struct alignas(32) Frame {
   double length;
-  double px, py;                // v3
-  double cos_left, sin_left;    // of the angle at v1, between v1 → v2 and v1 → v3
-  double cos_right, sin_right;  // of the angle at v2, between v2 → v1 and v2 → v3
-  double left_length;           // |v1 v3|
-  double right_length;          // |v2 v3|
-  HalfedgeIndex left;           // twin of (v3 → v1): what leaves f over v1 v3 enters through it
-  HalfedgeIndex right;          // twin of (v2 → v3)
-  VertexIndex v1, v2, v3;
+  double px, py;                        // v3
+  std::array<FrameSide, 2> sides;       // v1 v3 (left) and v2 v3 (right)
+  std::array<HalfedgeIndex, 2> beyond;  // twins of v3 → v1 and v2 → v3: what leaves f over a side
+                                        // enters the next face through them
+  std::array<VertexIndex, 2> ends;  // v1, v2
+  VertexIndex apex;                 // v3
 };
 
 enum class VertexKind : uint8_t {
@@ -45,6 +50,12 @@ class UnfoldedMesh {
   std::size_t vertex_count() const { return kinds_.size(); }
   std::size_t face_count() const { return frames_.size() / 3; }
   const Frame& frame(HalfedgeIndex h) const { return frames_[h]; }
+  /// Starts loading the frame of h, which may be invalid_index.
+  void prefetch(HalfedgeIndex h) const {
+    if (h == invalid_index) return;
+    __builtin_prefetch(&frames_[h]);
+    __builtin_prefetch(&frames_[h].beyond);
+  }
   HalfedgeIndex twin(HalfedgeIndex h) const { return twins_[h]; }
   VertexKind kind(VertexIndex v) const { return kinds_[v]; }
   /// Angle at the vertex v1 of h at which its corner begins, counter-clockwise around v1.

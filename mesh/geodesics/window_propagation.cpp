@@ -21,6 +21,9 @@ constexpr double sector_tolerance = 1e-11;
 
 double length_of(double x, double y) { return std::sqrt(x * x + y * y); }
 
+/// Whether the root of `square` is above `bound`.
+bool longer(double square, double bound) { return bound < 0.0 || square > bound * bound; }
+
 /// Distance from the window's origin to the nearest point of its interval.
 double nearest_point(const Window& w) {
   const double beside = w.x < w.low ? w.low - w.x : w.x > w.high ? w.x - w.high : 0.0;
@@ -28,18 +31,6 @@ double nearest_point(const Window& w) {
 }
 
 }  // namespace
-
-/// The part of a window that leaves a triangle over one side, seen from the end that side shares
-/// with the edge entered through ("base"): lengths along the edge count from there, so that left
-/// and right are the same computation.
-struct WindowPropagation::Side {
-  double cos, sin, length;  // of the side, from the base
-  double near, far;         // the interval on the edge entered through
-  bool to_apex;             // the interval reaches the apex, `far` does not matter
-  double x, y;              // the origin at (x, −y)
-  double edge_length;       // from the base to the vertex behind
-  double base_distance, apex_distance, back_distance;
-};
 
 WindowPropagation::WindowPropagation(const UnfoldedMesh& mesh)
     : mesh_(mesh),
@@ -70,18 +61,10 @@ void WindowPropagation::run(std::span<const SurfacePoint> sources,
   radius_ = radius;
   for (uint32_t s = 0; s < sources.size(); ++s) place_source(sources[s], s);
   place_spots(targets);
-  while (queue_.advance()) {
+  has_spots_ = !spots_.empty();
+  while (queue_.take_bucket(bucket_)) {
     if (ctx != nullptr) ctx->check_cancelled();
-    for (std::size_t i = 0; i < queue_.bucket().size(); ++i) {
-      const Window window = queue_.bucket()[i];
-      if (window.offset > distances_[window.origin]) continue;  // its origin is nearer by now
-      if (window.halfedge == invalid_index) {
-        bend_paths(window.origin, window.offset);
-      } else {
-        propagate(window);
-      }
-    }
-    queue_.clear_bucket();
+    propagate_bucket();
   }
   finish_targets(targets);
 }
@@ -98,10 +81,24 @@ void WindowPropagation::reach(VertexIndex v, double distance, double direction,
   }
 }
 
-void WindowPropagation::propagate(const Window& w) {
+void WindowPropagation::propagate_bucket() {
+  const std::size_t count = bucket_.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i + 2 < count) mesh_.prefetch(bucket_[i + 2].halfedge);
+    const Window& window = bucket_[i];
+    if (window.offset > distances_[window.origin]) continue;  // its origin is nearer by now
+    if (window.halfedge == invalid_index) {
+      bend_paths(window.origin, window.offset);
+    } else {
+      propagate(window);
+    }
+  }
+}
+
+inline void WindowPropagation::propagate(const Window& w) {
   ++windows_;
   const Frame& frame = mesh_.frame(w.halfedge);
-  if (!spots_.empty() && spotted_faces_[w.halfedge / 3] != 0) {
+  if (has_spots_ && spotted_faces_[w.halfedge / 3] != 0) {
     if (meets_source(w)) return;
     reach_targets(w);
   }
@@ -110,18 +107,19 @@ void WindowPropagation::propagate(const Window& w) {
   const double tolerance = end_tolerance * frame.length;
   if (crossing >= w.low - tolerance && crossing <= w.high + tolerance) {
     meet_apex(w, frame, crossing, left, right);
+    if (left && right) leave(w, frame, crossing, 1);
+    if (!left && !right) return;
   }
-  if (left && frame.left != invalid_index) leave_left(w, frame, crossing);
-  if (right && frame.right != invalid_index) leave_right(w, frame, crossing);
+  leave(w, frame, crossing, left ? 0 : 1);
 }
 
 void WindowPropagation::meet_apex(const Window& w, const Frame& frame, double crossing, bool& left,
                                   bool& right) {
   const double distance = w.offset + length_of(frame.px - w.x, frame.py + w.y);
-  if (distance < distances_[frame.v3]) {
+  if (distance < distances_[frame.apex]) {
     const double within =
         std::atan2(frame.py * crossing, frame.py * frame.py - frame.px * (crossing - frame.px));
-    reach(frame.v3, distance, mesh_.corner_start(Topology::previous(w.halfedge)) + within,
+    reach(frame.apex, distance, mesh_.corner_start(Topology::previous(w.halfedge)) + within,
           {w.x, w.y, w.halfedge, w.origin});
   }
   Occupant& occupant = occupants_[w.halfedge];
@@ -133,57 +131,38 @@ void WindowPropagation::meet_apex(const Window& w, const Frame& frame, double cr
   }
 }
 
-void WindowPropagation::leave_left(const Window& w, const Frame& frame, double crossing) {
-  const Side side{frame.cos_left,
-                  frame.sin_left,
-                  frame.left_length,
-                  w.low,
-                  w.high,
-                  crossing <= w.high,
-                  w.x,
-                  w.y,
-                  frame.length,
-                  distances_[frame.v1],
-                  distances_[frame.v3],
-                  distances_[frame.v2]};
-  Window child{0.0, 0.0, 0.0, 0.0, w.offset, frame.left, w.origin};
-  double key = 0.0;
-  if (cross_side(side, child, key)) push(child, key);
-}
-
-void WindowPropagation::leave_right(const Window& w, const Frame& frame, double crossing) {
-  const Side side{
-      frame.cos_right,      frame.sin_right,      frame.right_length,   frame.length - w.high,
-      frame.length - w.low, crossing >= w.low,    frame.length - w.x,   w.y,
-      frame.length,         distances_[frame.v2], distances_[frame.v3], distances_[frame.v1]};
-  Window child{0.0, 0.0, 0.0, 0.0, w.offset, frame.right, w.origin};
-  double key = 0.0;
-  if (!cross_side(side, child, key)) return;
-  const double low = child.low;
-  child.low = side.length - child.high;
-  child.high = side.length - low;
-  child.x = side.length - child.x;
-  push(child, key);
-}
-
-bool WindowPropagation::cross_side(const Side& s, Window& child, double& key) const {
-  const double x = s.x * s.cos - s.y * s.sin;
-  const double y = s.x * s.sin + s.y * s.cos;
-  const double low = s.near <= 0.0 ? 0.0 : s.near * s.y / (y - s.near * s.sin);
-  const double high = s.to_apex ? s.length : std::min(s.length, s.far * s.y / (y - s.far * s.sin));
-  if (!(high - low > least_width * s.length)) return false;
-  const double to_low = child.offset + length_of(low - x, y);
-  const double to_high = child.offset + length_of(high - x, y);
-  if (to_high > (s.base_distance + high) * clearly) return false;
-  if (to_low > (s.apex_distance + s.length - low) * clearly) return false;
-  const double back = s.back_distance + length_of(s.edge_length - low * s.cos, low * s.sin);
-  if (to_low > back * clearly) return false;
-  child.low = low;
-  child.high = high;
-  child.x = x;
-  child.y = y;
-  key = x < low ? to_low : x > high ? to_high : child.offset + y;
-  return true;
+/// Hands on what leaves over one side. Lengths along the edge and the side count from the end that
+/// they share, so that left and right are the same computation, without a branch that could be
+/// mispredicted.
+inline void WindowPropagation::leave(const Window& w, const Frame& frame, double crossing,
+                                     unsigned side) {
+  const FrameSide& s = frame.sides[side];
+  const bool mirrored = side != 0;
+  const double near = mirrored ? frame.length - w.high : w.low;
+  const double far = mirrored ? frame.length - w.low : w.high;
+  const double from = mirrored ? frame.length - w.x : w.x;
+  const bool to_apex = mirrored ? crossing >= w.low : crossing <= w.high;
+  const double x = from * s.cos - w.y * s.sin;
+  const double y = from * s.sin + w.y * s.cos;
+  const double low = near <= 0.0 ? 0.0 : near * w.y / (y - near * s.sin);
+  const double high = to_apex ? s.length : std::min(s.length, far * w.y / (y - far * s.sin));
+  const HalfedgeIndex beyond = frame.beyond[side];
+  if (!(high - low > least_width * s.length) || beyond == invalid_index) return;
+  // Squares are compared instead of distances.
+  const double square_low = (low - x) * (low - x) + y * y;
+  const double square_high = (high - x) * (high - x) + y * y;
+  const double over_base = (distances_[frame.ends[side]] + high) * clearly - w.offset;
+  const double over_apex = (distances_[frame.apex] + (s.length - low)) * clearly - w.offset;
+  if (longer(square_high, over_base) || longer(square_low, over_apex)) return;
+  const double aside = frame.length - low * s.cos, back = low * s.sin;
+  const double behind =
+      std::sqrt(square_low) + w.offset - distances_[frame.ends[1 - side]] * clearly;
+  if (behind > 0.0 && behind * behind > (aside * aside + back * back) * clearly) return;
+  const double square = x < low ? square_low : x > high ? square_high : y * y;
+  const double key = w.offset + std::sqrt(square);
+  push({mirrored ? s.length - high : low, mirrored ? s.length - low : high,
+        mirrored ? s.length - x : x, y, w.offset, beyond, w.origin},
+       key);
 }
 
 void WindowPropagation::bend_paths(VertexIndex v, double distance) {
@@ -225,13 +204,13 @@ void WindowPropagation::bend_into(VertexIndex v, double from, double to, double 
     }
     if (in_sector(start) || (closed && in_sector(start + mesh_.total_angle(v)))) {
       const Frame& frame = mesh_.frame(h);
-      send_along_edge(v, frame.v2, distance + frame.length, direction_back_along(h));
+      send_along_edge(v, frame.ends[1], distance + frame.length, direction_back_along(h));
     }
     const HalfedgeIndex border = Topology::previous(h);
     h = mesh_.twin(border);
     if (h == invalid_index && in_sector(start + angle)) {
       const Frame& frame = mesh_.frame(border);
-      send_along_edge(v, frame.v1, distance + frame.length, mesh_.corner_start(border));
+      send_along_edge(v, frame.ends[0], distance + frame.length, mesh_.corner_start(border));
     }
   } while (h != invalid_index && h != first);
 }
@@ -240,10 +219,10 @@ void WindowPropagation::bend_everywhere(VertexIndex v, double distance) {
   for (const HalfedgeIndex h : mesh_.corners_of_irregular(v)) {
     send_window(h, 0.0, mesh_.corner_angle(h), v, distance);
     const Frame& frame = mesh_.frame(h);
-    send_along_edge(v, frame.v2, distance + frame.length, direction_back_along(h));
+    send_along_edge(v, frame.ends[1], distance + frame.length, direction_back_along(h));
     const HalfedgeIndex in = Topology::previous(h);
     const Frame& incoming = mesh_.frame(in);
-    send_along_edge(v, incoming.v1, distance + incoming.length, mesh_.corner_start(in));
+    send_along_edge(v, incoming.ends[0], distance + incoming.length, mesh_.corner_start(in));
   }
 }
 

@@ -12,6 +12,7 @@
 // Vertices bend paths only into the sector behind them, not all around.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -31,18 +32,25 @@ struct Window {
   uint32_t origin;         ///< inner vertex, or vertex count + index of a source inside a face
 };
 
-/// Windows in buckets of equal width by distance, first in, first out within a bucket.
+/// Windows in buckets of equal width by distance. The order within a bucket does not matter for
+/// the result.
 class WindowQueue {
  public:
   void reset(double bucket_width);
-  void push(const Window& window, double key);
-  /// Moves on to the next bucket that is not empty. False when nothing waits.
-  bool advance();
-  /// The current bucket; pushes may append to it while it is being read.
-  const std::vector<Window>& bucket() const { return buckets_[current_ % bucket_count]; }
-  /// Must be called when the current bucket has been read.
-  void clear_bucket();
-  std::size_t waiting() const { return waiting_; }
+  void push(const Window& window, double key) {
+    // The bound keeps the conversion defined for any ratio of distance to bucket width.
+    const auto wanted = static_cast<int64_t>(std::min(key * per_width_, 1e18));
+    const int64_t index = std::max(wanted, current_);
+    ++waiting_;
+    if (index - current_ < bucket_count) {
+      buckets_[static_cast<std::size_t>(index) % bucket_count].push_back(window);
+    } else {
+      defer(window, index);
+    }
+  }
+  /// Swaps the nearest bucket that is not empty into `bucket`. False when nothing waits. The same
+  /// bucket comes again when windows were pushed into it meanwhile.
+  bool take_bucket(std::vector<Window>& bucket);
   std::size_t peak() const { return peak_; }
 
  private:
@@ -51,6 +59,7 @@ class WindowQueue {
     Window window;
     int64_t index;
   };
+  void defer(const Window& window, int64_t index);
   void call_distant();
 
   std::vector<std::vector<Window>> buckets_{bucket_count};
@@ -94,7 +103,6 @@ class WindowPropagation {
     double distance = std::numeric_limits<double>::infinity();
     double crossing = 0.0;
   };
-  struct Side;
 
   void forget();
   void place_source(const SurfacePoint& point, uint32_t index);
@@ -105,12 +113,11 @@ class WindowPropagation {
   void reach_targets(const Window& window);
   void reach_target(uint32_t target, double distance, const GeodesicArrival& arrival);
 
+  void propagate_bucket();
   void propagate(const Window& window);
   void meet_apex(const Window& window, const Frame& frame, double crossing, bool& left,
                  bool& right);
-  void leave_left(const Window& window, const Frame& frame, double crossing);
-  void leave_right(const Window& window, const Frame& frame, double crossing);
-  bool cross_side(const Side& side, Window& window, double& key) const;
+  void leave(const Window& window, const Frame& frame, double crossing, unsigned side);
 
   void reach(VertexIndex v, double distance, double direction, const GeodesicArrival& arrival);
   void bend_paths(VertexIndex v, double distance);
@@ -125,6 +132,7 @@ class WindowPropagation {
 
   const UnfoldedMesh& mesh_;
   WindowQueue queue_;
+  std::vector<Window> bucket_;  ///< being propagated
   double radius_ = std::numeric_limits<double>::infinity();
   std::vector<double> distances_;   ///< per vertex, then per source
   std::vector<double> directions_;  ///< angle at the vertex at which its path arrives; < 0: any
@@ -133,6 +141,7 @@ class WindowPropagation {
   std::vector<VertexIndex> reached_;
   std::vector<HalfedgeIndex> occupied_;
   std::vector<Spot> spots_;  ///< by face
+  bool has_spots_ = false;
   std::vector<uint8_t> spotted_faces_;
   std::vector<VertexIndex> source_vertices_;
   std::vector<double> target_distances_;

@@ -13,21 +13,15 @@ void WindowQueue::reset(double bucket_width) {
   waiting_ = peak_ = 0;
 }
 
-void WindowQueue::push(const Window& window, double key) {
-  // The bound keeps the conversion defined for any ratio of distance to bucket width.
-  const auto wanted = static_cast<int64_t>(std::min(key * per_width_, 1e18));
-  const int64_t index = std::max(wanted, current_);
-  if (index - current_ < bucket_count) {
-    buckets_[index % bucket_count].push_back(window);
-  } else {
-    distant_.push_back({window, index});
-    nearest_distant_ = std::min(nearest_distant_, index);
-  }
-  peak_ = std::max(peak_, ++waiting_);
+void WindowQueue::defer(const Window& window, int64_t index) {
+  distant_.push_back({window, index});
+  nearest_distant_ = std::min(nearest_distant_, index);
 }
 
-bool WindowQueue::advance() {
+bool WindowQueue::take_bucket(std::vector<Window>& bucket) {
+  bucket.clear();
   if (waiting_ == 0) return false;
+  peak_ = std::max(peak_, waiting_);
   int64_t step = 0;
   while (step < bucket_count && buckets_[(current_ + step) % bucket_count].empty()) ++step;
   current_ = step < bucket_count ? current_ + step : nearest_distant_;
@@ -35,6 +29,8 @@ bool WindowQueue::advance() {
     current_ = nearest_distant_;
     call_distant();
   }
+  bucket.swap(buckets_[current_ % bucket_count]);
+  waiting_ -= bucket.size();
   return true;
 }
 
@@ -46,16 +42,9 @@ void WindowQueue::call_distant() {
     if (d.index - current_ < bucket_count) {
       buckets_[d.index % bucket_count].push_back(d.window);
     } else {
-      distant_.push_back(d);
-      nearest_distant_ = std::min(nearest_distant_, d.index);
+      defer(d.window, d.index);
     }
   }
-}
-
-void WindowQueue::clear_bucket() {
-  std::vector<Window>& bucket = buckets_[current_ % bucket_count];
-  waiting_ -= bucket.size();
-  bucket.clear();
 }
 
 }  // namespace kinemesh::geodesics

@@ -35,7 +35,7 @@ void WindowPropagation::place_source(const SurfacePoint& point, uint32_t index) 
   const int corner = corner_of(point);
   distances_.push_back(0.0);
   if (corner >= 0) {
-    const VertexIndex v = mesh_.frame(3 * point.face + corner).v1;
+    const VertexIndex v = mesh_.frame(3 * point.face + corner).ends[0];
     source_vertices_.push_back(v);
     reach(v, 0.0, -1.0, {});
     return;
@@ -61,7 +61,7 @@ void WindowPropagation::start_in_face(const SurfacePoint& point, uint32_t origin
   for (HalfedgeIndex h = 3 * point.face; h < 3 * point.face + 3; ++h) {
     const Frame& frame = mesh_.frame(h);
     const Eigen::Vector2d p = mesh_.in_frame(h, point.weights);
-    reach(frame.v1, p.norm(), mesh_.corner_start(h) + std::atan2(p.y(), p.x()),
+    reach(frame.ends[0], p.norm(), mesh_.corner_start(h) + std::atan2(p.y(), p.x()),
           {0.0, 0.0, invalid_index, origin});
     const bool on_edge = point.weights[Topology::previous(h) % 3] <= snap;
     if (on_edge || mesh_.twin(h) == invalid_index) continue;
@@ -128,7 +128,7 @@ void WindowPropagation::finish_targets(std::span<const SurfacePoint> targets) {
   for (uint32_t t = 0; t < targets.size(); ++t) {
     const FaceIndex face = targets[t].face;
     for (HalfedgeIndex h = 3 * face; h < 3 * face + 3; ++h) {
-      const VertexIndex v = mesh_.frame(h).v1;
+      const VertexIndex v = mesh_.frame(h).ends[0];
       reach_target(t, distances_[v] + mesh_.in_frame(h, targets[t].weights).norm(),
                    {0.0, 0.0, invalid_index, v});
     }
