@@ -81,10 +81,7 @@ void ask_ezc3d(const std::filesystem::path& path, const C3dCheckOptions& options
     result.findings.push_back(c3d_finding("C3D804", e.details().what, ""));
     return;
   }
-  result.second_opinion = SecondOpinion::agrees;
-  SessionDiffOptions diff;
-  diff.parameters = false;
-  add_differences(diff_sessions(own.take, other.take, diff, ctx), result);
+  compare_readers(own.take, other.take, result, ctx);
 }
 
 void check_c3d(const std::filesystem::path& path, const C3dCheckOptions& options,
@@ -150,6 +147,14 @@ C3dCheckResult check_session(const std::filesystem::path& path, const C3dCheckOp
     result.findings.push_back(std::move(finding));
   }
   return result;
+}
+
+void compare_readers(const MarkerSequence& own, const MarkerSequence& other, C3dCheckResult& result,
+                     const RunContext& ctx) {
+  result.second_opinion = SecondOpinion::agrees;
+  SessionDiffOptions diff;
+  diff.parameters = false;
+  add_differences(diff_sessions(own, other, diff, ctx), result);
 }
 
 std::string check_text(const C3dCheckResult& result) {

@@ -193,10 +193,12 @@ std::size_t Parser::parse_record(std::size_t at) {
   return next;
 }
 
-/// Characters of a text, values of a row: all dimensions but the last.
+/// Characters of a text, values of a row: all dimensions but the last; at most a section's size.
 std::size_t values_per_entry(const C3dParameter& p) {
   std::size_t count = 1;
-  for (std::size_t d = 0; d + 1 < p.dimensions.size(); ++d) count *= p.dimensions[d];
+  for (std::size_t d = 0; d + 1 < p.dimensions.size(); ++d) {
+    count = std::min(count * p.dimensions[d], max_section_bytes);
+  }
   return count;
 }
 

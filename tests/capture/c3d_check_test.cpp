@@ -63,6 +63,32 @@ TEST(C3dCheck, C3D802KnownFaultsOfEzc3dAreNamed) {
   EXPECT_FALSE(has(without, "C3D802"));
 }
 
+TEST(C3dCheck, C3D803UnexplainedDifferencesAreWarnings) {
+  const MarkerSequence own = test::make_take(20, 5);
+  MarkerSequence other = own;
+  other.position(5, 2)[0] += 5.0F;
+  other.position(4, 3)[0] += 2.0F;
+  C3dCheckResult result;
+  compare_readers(own, other, result);
+  EXPECT_EQ(result.second_opinion, SecondOpinion::differs);
+  ASSERT_EQ(result.findings.size(), 1U);
+  EXPECT_EQ(result.findings[0].code, "C3D803");
+  EXPECT_EQ(result.findings[0].place, "marker M3");
+  EXPECT_EQ(
+      result.findings[0].message,
+      "with Kinemesh as A and ezc3d as B, it lies up to 5 mm apart (frame 6), in 1 of 20 frames; "
+      "likewise 1 more marker or channel");
+}
+
+TEST(C3dCheck, C3D804SoundFilesThatEzc3dRefuses) {
+  std::string bytes = encode_c3d(test::make_take(20, 5));
+  bytes[1] = 81;  // the key: only a warning to us
+  const C3dCheckResult result = check_bytes(bytes);
+  EXPECT_FALSE(result.has_errors());
+  EXPECT_TRUE(has(result, "C3D804")) << check_text(result);
+  EXPECT_EQ(result.second_opinion, SecondOpinion::refused);
+}
+
 TEST(C3dCheck, DamagedFilesAreNotGivenToEzc3d) {
   const std::string bytes = encode_c3d(test::make_take(20, 5));
   const C3dCheckResult result = check_bytes(bytes.substr(0, bytes.size() - 700));
