@@ -29,7 +29,7 @@ class TableReader {
     const int64_t step = frame_step();
     const auto frame_count =
         static_cast<std::size_t>((rows_.back().frame - rows_.front().frame) / step) + 1;
-    if (frame_count > 100 * rows_.size() + 1000) {
+    if (frame_count > 4 * rows_.size() + 1000) {
       text_.refuse(rows_.back().line,
                    "frame " + std::to_string(rows_.back().frame) + " follows far too late");
     }

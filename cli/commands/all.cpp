@@ -3,10 +3,12 @@
 namespace kinemesh::cli {
 
 std::vector<CommandSpec> all_commands() {
+  // clang-format off: one command a line
   return {
-      c3d_info_command(),   c3d_check_command(), c3d_diff_command(),
-      c3d_export_command(), hash_command(),
+      convert_command(),  c3d_info_command(),   c3d_check_command(),
+      c3d_diff_command(), c3d_export_command(), hash_command(),
   };
+  // clang-format on
 }
 
 std::string family_summary(std::string_view family) {

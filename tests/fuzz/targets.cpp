@@ -2,6 +2,7 @@
 
 #include "capture/c3d/reader.h"
 #include "capture/c3d/writer.h"
+#include "tests/fuzz/session_targets.h"
 #include "tests/fuzz/target.h"
 #include "tests/support/c3d_takes.h"
 
@@ -48,7 +49,7 @@ Outcome rewrite_c3d_bytes(std::span<const std::byte> bytes) {
 }
 
 std::vector<Target> make_targets() {
-  return {
+  std::vector<Target> all = {
       {.name = "c3d",
        .extensions = {".c3d"},
        .run = read_c3d_bytes,
@@ -61,6 +62,8 @@ std::vector<Target> make_targets() {
        .payload = {},
        .max_seed_bytes = std::size_t{1} << 19},
   };
+  for (Target& target : session_targets(c3d_seeds)) all.push_back(std::move(target));
+  return all;
 }
 
 }  // namespace

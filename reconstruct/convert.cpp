@@ -1,0 +1,113 @@
+#include "reconstruct/convert.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "config/error.h"
+#include "config/text.h"
+
+namespace kinemesh {
+namespace {
+
+/// The session without what is neither vertex nor head rig, and where the vertices are in it.
+struct Working {
+  MarkerSequence take;
+  std::vector<std::size_t> vertices;  ///< columns of `take` that become vertices, ascending
+};
+
+Working working_set(const MarkerSequence& session, const MarkerSelectionResult& selection) {
+  std::vector<std::size_t> kept = selection.chosen;
+  kept.insert(kept.end(), selection.head_rig.begin(), selection.head_rig.end());
+  std::ranges::sort(kept);
+  kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
+  Working working{session.select(kept), {}};
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    if (std::ranges::binary_search(selection.chosen, kept[i])) working.vertices.push_back(i);
+  }
+  return working;
+}
+
+void stabilise(Working& working, const ConvertOptions& options, ConvertResult& result,
+               const RunContext& ctx) {
+  StabiliseResult steady = stabilise_head(working.take, options.head, ctx);
+  for (const std::size_t m : steady.shape.markers) {
+    result.rigid.push_back(working.take.markers()[m].label);
+  }
+  result.head_poses = std::move(steady.poses);
+  result.head_error_mm = steady.rms_error_mm;
+  std::ranges::move(steady.warnings, std::back_inserter(result.warnings));
+  working.take = std::move(steady.take);
+}
+
+/// Fills all gaps and keeps the record of those that concern vertices.
+MarkerSequence fill(const Working& working, const ConvertOptions& options, ConvertResult& result,
+                    const RunContext& ctx) {
+  GapFillResult filled = fill_gaps(working.take, options.gaps, ctx);
+  std::vector<std::size_t> vertex_of(working.take.marker_count(), MarkerSequence::npos);
+  for (std::size_t v = 0; v < working.vertices.size(); ++v) vertex_of[working.vertices[v]] = v;
+  for (Fill f : filled.fills) {
+    if (vertex_of[f.marker] == MarkerSequence::npos) continue;
+    f.marker = vertex_of[f.marker];
+    result.fills.push_back(f);
+  }
+  std::ranges::move(filled.warnings, std::back_inserter(result.warnings));
+  return filled.take.select(working.vertices);
+}
+
+void describe_source(const MarkerSequence& session, AnimatedMesh& mesh) {
+  mesh.provenance.source = session.origin.manufacturer;
+  mesh.events = session.events;
+}
+
+}  // namespace
+
+void ConvertOptions::declare(ParameterSet& p) {
+  selection.declare(p);
+  p.group("head", "Head motion");
+  p.flag("stabilise", stabilise, "remove the head's motion, so that only the face's own is left");
+  head.declare(p);
+  gaps.declare(p);
+  triangulate.declare(p);
+  carry.declare(p);
+}
+
+void ConvertOptions::validate() const {
+  selection.validate();
+  validate_options(*this);
+}
+
+ConvertResult convert_session(const MarkerSequence& session, const ConvertOptions& options,
+                              const RunContext& ctx) {
+  options.validate();
+  if (session.frame_count() == 0) {
+    throw NoResultError({.what = "the session has no frames", .file = session.origin.path});
+  }
+  ConvertResult result;
+  result.selection =
+      select_markers(session, options.selection, ctx.part(0.0, 0.02, "choosing markers"));
+  result.warnings = result.selection.warnings;
+  Working working = working_set(session, result.selection);
+  if (options.stabilise) {
+    stabilise(working, options, result, ctx.part(0.02, 0.15, "removing head motion"));
+  }
+  for (const std::size_t v : working.vertices) {
+    result.markers.push_back(working.take.markers()[v]);
+    result.gaps.push_back(find_gaps(working.take, v));
+    result.gaps.back().marker = result.gaps.size() - 1;
+  }
+  const MarkerSequence faces = fill(working, options, result, ctx.part(0.15, 0.6, "filling gaps"));
+  const RunContext meshing = ctx.part(0.6, 0.9, "triangulating");
+  result.triangulation = triangulate(faces, options.triangulate, meshing);
+  std::ranges::copy(result.triangulation.diagnostics.warnings, std::back_inserter(result.warnings));
+  CarryResult carried =
+      carry_topology(result.triangulation.topology, faces, result.triangulation.frame,
+                     options.carry, ctx.part(0.9, 1.0, "carrying the topology"));
+  result.animation = std::move(carried.animation);
+  result.quality = std::move(carried.quality);
+  result.summary = carried.summary;
+  describe_source(session, result.animation);
+  ctx.progress(1.0);
+  return result;
+}
+
+}  // namespace kinemesh
