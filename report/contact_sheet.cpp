@@ -285,7 +285,10 @@ std::vector<std::size_t> telling_frames(const AnimatedMesh& animation, std::size
   for (std::size_t next = 0; chosen.size() < count;) {
     chosen.push_back(frame_of(next));
     for (std::size_t c = 0; c < candidates; ++c) {
-      distance[c] = std::min(distance[c], (lengths[c] - lengths[next]).squaredNorm());
+      const std::size_t apart = c > next ? c - next : next - c;
+      const bool too_near = 4 * apart * count < candidates;  // one jump must not fill the sheet
+      const float difference = too_near ? 0.0F : (lengths[c] - lengths[next]).squaredNorm();
+      distance[c] = std::min(distance[c], difference);
     }
     next = static_cast<std::size_t>(std::max_element(distance.begin(), distance.end()) -
                                     distance.begin());

@@ -192,10 +192,11 @@ class GapChartPainter {
       measured_bars.push_back({area.x, y, area.width, bar});
       for (const GapInterval& gap : chart_.markers[order_[place]].gaps) {
         const GapInterval cut = within(gap, chart_.frame_count);
-        if (cut.begin >= cut.end || gap.kind >= bars.size()) continue;
+        if (cut.begin >= cut.end || bars.empty()) continue;
+        const std::size_t kind = gap.kind < bars.size() ? gap.kind : 0;
         const double from = x_of(cut.begin);
         const double wide = std::max(1.2, x_of(cut.end) - from);
-        bars[gap.kind].push_back({std::min(from, area.right() - wide), y, wide, bar});
+        bars[kind].push_back({std::min(from, area.right() - wide), y, wide, bar});
       }
       draw_row_text(canvas, order_[place], y + 0.5 * bar);
     }

@@ -22,7 +22,7 @@ std::vector<GapStyle> default_gap_styles();
 struct GapInterval {
   std::size_t begin = 0;  ///< first frame, 0-based
   std::size_t end = 0;    ///< one past the last
-  std::size_t kind = 0;   ///< index into GapChart::kinds
+  std::size_t kind = 0;   ///< index into GapChart::kinds; any other counts as the first
 };
 
 struct GapChart {
