@@ -13,6 +13,7 @@
 #include "reconstruct/convert_summary.h"
 #include "report/contact_sheet.h"
 #include "report/gap_chart.h"
+#include "report/image.h"
 
 namespace kinemesh::cli {
 namespace {
@@ -65,44 +66,45 @@ Provenance provenance_of(const State& state, const Terminal& terminal) {
 }
 
 void draw_pictures(const State& state, const ConvertResult& result, const fs::path& stem,
-                   std::vector<std::string>& outputs, const RunContext& ctx) {
+                   OutputSet& files, const RunContext& ctx) {
   ContactSheetOptions sheet = state.sheet;
   sheet.title = fs::path(state.session).filename().string();
   sheet.subtitle = count_of(result.markers.size(), "marker") + ", " +
                    count_of(result.animation.frame_count(), "frame") + " at " +
                    format_number(result.animation.rate_hz) + " Hz";
-  const fs::path frames = beside(stem, "_frames.png");
-  draw_contact_sheet(result.animation, sheet, ctx).sheet.write_png(frames);
-  outputs.push_back(frames.string());
+  const Canvas frames = draw_contact_sheet(result.animation, sheet, ctx).sheet;
+  files.add(beside(stem, "_frames.png"), encode_png(frames.raster(png_scale(frames))));
+  ctx.check_cancelled();
   GapChart chart = gap_chart_of(result);
   chart.subtitle = sheet.title;
-  const Canvas drawn = draw_gap_chart(chart);
-  const fs::path gaps = beside(stem, "_gaps.png");
-  drawn.write_png(gaps, png_scale(drawn));
-  outputs.push_back(gaps.string());
+  const Canvas gaps = draw_gap_chart(chart);
+  files.add(beside(stem, "_gaps.png"), encode_png(gaps.raster(png_scale(gaps))));
+  ctx.check_cancelled();
 }
 
+/// All outputs of one conversion; they appear together, or none of them.
 std::vector<std::string> write_outputs(const State& state, const MarkerSequence& session,
                                        const FormatRegistry& formats, const ConvertResult& result,
                                        const Terminal& terminal) {
-  std::vector<std::string> outputs;
-  const WriteResult written =
-      write_animation(formats, result.animation, state.output, state.writing,
-                      terminal.run.part(0.7, 0.85, "writing"));
+  OutputSet files;
+  const WriteResult written = add_animation(formats, result.animation, state.output, state.writing,
+                                            files, terminal.run.part(0.7, 0.85, "writing"));
   for (const std::string& note : written.report.notes) terminal.run.info(note);
   // A numbered sequence is named by its first and last file.
-  outputs.push_back(written.files.front().string());
+  std::vector<std::string> outputs{written.files.front().string()};
   if (written.files.size() > 1) outputs.push_back(written.files.back().string());
   const fs::path stem = stem_of(state.output);
   if (state.pictures) {
-    draw_pictures(state, result, stem, outputs, terminal.run.part(0.85, 1.0, "drawing"));
+    draw_pictures(state, result, stem, files, terminal.run.part(0.85, 1.0, "drawing"));
   }
-  const fs::path quality = beside(stem, "_quality.csv");
-  write_file(quality, quality_csv(result));
-  outputs.push_back(quality.string());
+  files.add(beside(stem, "_quality.csv"), quality_csv(result));
+  for (std::size_t i = written.files.size(); i < files.paths().size(); ++i) {
+    outputs.push_back(files.paths()[i].string());
+  }
   const fs::path summary = beside(stem, "_summary.json");
   outputs.push_back(summary.string());
-  write_file(summary, summary_json(session, result, outputs));
+  files.add(summary, summary_json(session, result, outputs));
+  files.commit();
   return outputs;
 }
 

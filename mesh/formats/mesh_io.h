@@ -46,6 +46,11 @@ WriteResult write_animation(const FormatRegistry& formats, const AnimatedMesh& m
                             const std::filesystem::path& path, const WriteOptions& options = {},
                             const RunContext& ctx = {});
 
+/// As write_animation, but into `files`, to appear together with others when the caller commits.
+WriteResult add_animation(const FormatRegistry& formats, const AnimatedMesh& mesh,
+                          const std::filesystem::path& path, const WriteOptions& options,
+                          OutputSet& files, const RunContext& ctx = {});
+
 /// As write_animation, for frames of differing topology: a numbered sequence.
 WriteResult write_mesh_sequence(const FormatRegistry& formats, const MeshSequence& sequence,
                                 const std::filesystem::path& path, const WriteOptions& options = {},

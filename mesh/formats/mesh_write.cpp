@@ -191,9 +191,9 @@ const Format& output_format(const FormatRegistry& formats, const fs::path& path,
                     .remedy = "Writable are " + join(formats.write_extensions(), ", ", " and ")});
 }
 
-WriteResult write_animation(const FormatRegistry& formats, const AnimatedMesh& mesh,
-                            const fs::path& path, const WriteOptions& options,
-                            const RunContext& ctx) {
+WriteResult add_animation(const FormatRegistry& formats, const AnimatedMesh& mesh,
+                          const fs::path& path, const WriteOptions& options, OutputSet& files,
+                          const RunContext& ctx) {
   options.validate();
   if (mesh.frame_count() == 0) {
     throw InputError({.what = "there is no frame to write", .file = path.string()});
@@ -212,7 +212,7 @@ WriteResult write_animation(const FormatRegistry& formats, const AnimatedMesh& m
   const AnimatedMesh& source = copy ? *copy : mesh;
   WriteResult result;
   result.format = format.name;
-  OutputSet files;
+  const std::size_t before = files.paths().size();
   const bool numbered = format.single_frame && (range.count > 1 || is_number_pattern(target));
   if (numbered) {
     const bool own_numbers = options.first_number >= 0;
@@ -227,9 +227,18 @@ WriteResult write_animation(const FormatRegistry& formats, const AnimatedMesh& m
     result.report = format.write(source, target, options, files, ctx);
   }
   ctx.check_cancelled();
-  result.files = files.paths();
-  files.commit();
+  const std::vector<fs::path> all = files.paths();
+  result.files.assign(all.begin() + static_cast<std::ptrdiff_t>(before), all.end());
   if (numbered) note_older_files(target, result);
+  return result;
+}
+
+WriteResult write_animation(const FormatRegistry& formats, const AnimatedMesh& mesh,
+                            const fs::path& path, const WriteOptions& options,
+                            const RunContext& ctx) {
+  OutputSet files;
+  WriteResult result = add_animation(formats, mesh, path, options, files, ctx);
+  files.commit();
   return result;
 }
 
