@@ -1,0 +1,164 @@
+// kinemesh convert, as an operator types it, on the samples and on real takes.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "config/input_file.h"
+#include "mesh/formats/mesh_io.h"
+#include "report/image.h"
+#include "tests/support/data.h"
+#include "tests/support/run_program.h"
+#include "tests/support/temporary_folder.h"
+
+namespace kinemesh {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+using test::TemporaryFolder;
+
+struct Converted {
+  Json summary;
+  AnimatedMesh mesh;
+};
+
+/// Converts with --json and reads the mesh back.
+Converted convert(const fs::path& session, const fs::path& out,
+                  const std::vector<std::string>& more = {}) {
+  std::vector<std::string> arguments{"convert", session.string(), "-o", out.string(), "--json"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  const test::ProgramRun run = test::run_program(KINEMESH_PROGRAM, arguments);
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  Converted result{Json::parse(run.out), {}};
+  result.mesh = read_animation(builtin_mesh_formats(), out);
+  return result;
+}
+
+void expect_sound(const Converted& c) {
+  EXPECT_TRUE(c.mesh.topology().is_manifold());
+  EXPECT_EQ(c.mesh.topology().component_count(), 1U);
+  EXPECT_EQ(c.mesh.topology().isolated_vertex_count(), 0U);
+  EXPECT_EQ(c.mesh.topology().euler_characteristic(),
+            1 - static_cast<int64_t>(c.summary["mesh"]["openings"].size()));
+  for (const float x : c.mesh.positions()) ASSERT_TRUE(std::isfinite(x));
+  for (std::size_t f = 0; f < c.mesh.frame_count(); ++f) {
+    ASSERT_GT(c.mesh.frame(f).rowwise().norm().minCoeff(), 0.0F);
+  }
+}
+
+/// Marker count of the opening of this name, 0 without it.
+std::size_t ring(const Json& summary, const std::string& name) {
+  for (const Json& opening : summary["mesh"]["openings"]) {
+    if (opening["name"] == name) return opening["markers"].size();
+  }
+  return 0;
+}
+
+class Samples : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(Samples, ConvertWithNoOption) {
+  const TemporaryFolder folder;
+  const Converted c =
+      convert(test::sample_folder() / (GetParam() + ".c3d"), folder.path() / "face.ply");
+  expect_sound(c);
+  EXPECT_GT(ring(c.summary, "mouth"), 0U);
+  EXPECT_GT(ring(c.summary, "left eye"), 0U);
+  EXPECT_GT(ring(c.summary, "right eye"), 0U);
+  EXPECT_EQ(c.summary["left_out"].size(), 6U);  // the head rig
+  EXPECT_EQ(c.summary["session"]["rate_hz"], 120.0);
+  EXPECT_EQ(c.mesh.rate_hz, 120.0);
+  for (const Json& output : c.summary["outputs"]) {
+    EXPECT_TRUE(fs::is_regular_file(output.get<std::string>())) << output;
+  }
+  const Image picture = decode_png(read_file(folder.path() / "face_frames.png"));
+  EXPECT_GT(picture.width, 800);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Samples,
+                         ::testing::Values("anna_happy", "anna_surprise", "ben_happy",
+                                           "ben_surprise"));
+
+TEST(Convert, RealTakesGiveSoundMeshes) {
+  KINEMESH_NEED_DATA("c3d_face/Facial-Sing.c3d");
+  const fs::path takes = test::data_folder() / "c3d_face";
+  const TemporaryFolder folder;
+  const std::vector<std::string> fast{"--no-pictures"};
+  const Converted sing = convert(takes / "Facial-Sing.c3d", folder.path() / "sing.ply", fast);
+  expect_sound(sing);
+  EXPECT_EQ(sing.mesh.vertex_count(), 31U);
+  EXPECT_EQ(sing.mesh.frame_count(), 3000U);
+  EXPECT_EQ(ring(sing.summary, "mouth"), 8U);
+  const Converted jaw = convert(takes / "AnimFace-Jaw.c3d", folder.path() / "jaw.ply", fast);
+  expect_sound(jaw);
+  EXPECT_EQ(jaw.mesh.vertex_count(), 41U);
+  EXPECT_EQ(ring(jaw.summary, "mouth"), 8U);
+  EXPECT_EQ(jaw.summary["mesh"]["openings"].size(), 1U);
+  const Converted brows =
+      convert(takes / "AnimFace-Eyebrows.c3d", folder.path() / "brows.ply", fast);
+  expect_sound(brows);
+  EXPECT_TRUE(brows.summary["mesh"]["openings"].empty());
+}
+
+TEST(Convert, TheNumberOfThreadsDoesNotChangeAByte) {
+  const TemporaryFolder folder;
+  const fs::path session = test::sample_folder() / "anna_happy.c3d";
+  std::vector<std::string> bytes;
+  for (const std::string threads : {"1", "3"}) {
+    convert(session, folder.path() / "face.ply", {"--threads", threads});
+    bytes.push_back(read_file(folder.path() / "face.pc2") +
+                    read_file(folder.path() / "face_frames.png") +
+                    read_file(folder.path() / "face_quality.csv"));
+  }
+  EXPECT_TRUE(bytes[0] == bytes[1]);
+}
+
+TEST(Convert, FilledSamplesAreMarkedInTheMesh) {
+  const TemporaryFolder folder;
+  const Converted sample = convert(test::sample_folder() / "ben_happy.c3d",
+                                   folder.path() / "ben.pvd", {"--no-pictures"});
+  std::size_t marked = 0;
+  for (const uint8_t filled : sample.mesh.filled()) marked += filled;
+  EXPECT_EQ(marked, sample.summary["quality"]["filled_samples"].get<std::size_t>());
+  EXPECT_GT(marked, 0U);
+}
+
+TEST(Convert, CtrlCLeavesNothingBehind) {
+  const TemporaryFolder folder;
+  bool cancelled = false;
+  for (const double delay : {0.03, 0.06, 0.1, 0.2, 0.4, 0.8}) {
+    const fs::path out = folder.path() / std::to_string(delay);
+    fs::create_directory(out);
+    const test::ProgramRun run = test::run_program(
+        KINEMESH_PROGRAM,
+        {"convert", (test::sample_folder() / "ben_happy.c3d").string(), "-o", out / "face.obj"},
+        delay);
+    if (run.exit_code == 130) {
+      cancelled = true;
+      EXPECT_TRUE(fs::is_empty(out));
+    } else if (run.exit_code == 0) {
+      EXPECT_FALSE(fs::is_empty(out));
+    }
+  }
+  EXPECT_TRUE(cancelled);
+}
+
+TEST(Convert, ErrorsNameFileAndRemedy) {
+  const TemporaryFolder folder;
+  const std::string session = (test::sample_folder() / "anna_happy.c3d").string();
+  const auto failing = [](const std::vector<std::string>& arguments) {
+    return test::run_program(KINEMESH_PROGRAM, arguments);
+  };
+  const std::string out = folder.path() / "f.ply";
+  const auto missing = failing({"convert", session, "-o", folder.path() / "no" / "face.ply"});
+  EXPECT_EQ(missing.exit_code, 3);
+  EXPECT_NE(missing.err.find("Create the folder first"), std::string::npos) << missing.err;
+  EXPECT_EQ(failing({"convert", session, "-o", folder.path() / "face.xyz"}).exit_code, 2);
+  EXPECT_EQ(failing({"convert", session, "-o", out, "--include", "zzz"}).exit_code, 4);
+  EXPECT_EQ(failing({"convert", session, "-o", out, "--edge", "A:B"}).exit_code, 2);
+  EXPECT_EQ(failing({"convert", session, "-o", out, "--frame", "99999"}).exit_code, 2);
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+}  // namespace
+}  // namespace kinemesh
