@@ -11,3 +11,6 @@ install(FILES "${CMAKE_BINARY_DIR}/kinemeshConfig.cmake"
         DESTINATION "${KINEMESH_CMAKE_DIR}" COMPONENT development)
 install(EXPORT kinemeshTargets NAMESPACE kinemesh:: DESTINATION "${KINEMESH_CMAKE_DIR}"
         COMPONENT development)
+# ezc3d is in no Debian package: the static library that tools/setup built goes along.
+install(DIRECTORY "${KINEMESH_DEPS}/ezc3d/" DESTINATION "${CMAKE_INSTALL_LIBDIR}/kinemesh/ezc3d"
+        COMPONENT development PATTERN ".installed" EXCLUDE)

@@ -161,15 +161,24 @@ void add_numbered(const fs::path& pattern, std::size_t count, int64_t first, int
   }
 }
 
-/// Older files of the same pattern would be read together with the new ones.
+/// Older files of the same pattern would be read together with the new ones. Serves before the new
+/// ones are renamed as well as after.
 void note_older_files(const fs::path& pattern, WriteResult& result) {
   const fs::path any = is_number_pattern(pattern)
                            ? pattern
                            : pattern.parent_path() /
                                  (pattern.stem().string() + "_####" + pattern.extension().string());
-  const std::size_t present = files_of_pattern(any).size();
-  if (present <= result.files.size()) return;
-  result.report.notes.push_back(count_of(present - result.files.size(), "older file") +
+  std::vector<NumberedFile> present;
+  try {
+    present = files_of_pattern(any);
+  } catch (const InputError&) {
+    return;  // there are none
+  }
+  const auto older = std::ranges::count_if(present, [&](const NumberedFile& file) {
+    return std::ranges::find(result.files, file.path) == result.files.end();
+  });
+  if (older == 0) return;
+  result.report.notes.push_back(count_of(static_cast<std::size_t>(older), "older file") +
                                 " matching " + any.string() +
                                 " remain beside the new ones and will be read with them");
 }

@@ -10,7 +10,7 @@ function(run)
 endfunction()
 run(${CMAKE_COMMAND} --install "${BINARY}" --prefix "${prefix}")
 run(${CMAKE_COMMAND} -S "${SOURCE}/tests/install" -B "${BINARY}/install_test/build" -G Ninja
-    -DCMAKE_PREFIX_PATH=${prefix}\;${EZC3D} -DCMAKE_BUILD_TYPE=Release)
+    -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_BUILD_TYPE=Release)
 run(${CMAKE_COMMAND} --build "${BINARY}/install_test/build")
 run("${BINARY}/install_test/build/consumer" "${SOURCE}/sample_c3d/anna_happy.c3d")
 if(NOT output MATCHES "euler 2\nmarkers 1[0-9][0-9]")

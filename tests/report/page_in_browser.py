@@ -78,7 +78,9 @@ def check_keyboard(browser, expected):
     browser.press("+", 187)
     check(pixels(browser)["share"] > turned["share"], "plus zooms in")
     browser.press(" ", 32)
-    browser.run("new Promise((done) => setTimeout(done, 400))")
+    # A busy machine may draw its first frame late: wait for it rather than for a time.
+    browser.run("new Promise((done) => { const wait = () => kinemeshViewers[0].group.step > 0 "
+                "? done() : setTimeout(wait, 50); wait(); })")
     browser.press(" ", 32)
     check(browser.run("kinemeshViewers[0].group.step") > 0, "space plays")
     browser.press("Home", 36)
