@@ -47,6 +47,10 @@ class CommandLine {
   /// An option that may be given several times.
   virtual void option(const std::string& names, std::vector<std::string>& field,
                       const std::string& metavar, const std::string& help) = 0;
+  /// An option that takes one or more words ("--from 3 17 99" or "--from 3,17,99").
+  virtual void words(const std::string& names, std::vector<std::string>& field,
+                     const std::string& metavar, const std::string& help,
+                     bool required = false) = 0;
   virtual void flag(const std::string& names, bool& field, const std::string& help) = 0;
   /// Adds all parameters that `declare` declares, as --NAME options, and with them --config and
   /// --dump-config. They are set before the action runs: first from the file, then from the

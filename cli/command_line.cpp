@@ -80,6 +80,14 @@ void Cli11CommandLine::option(const std::string& names, std::vector<std::string>
   app_.add_option(names, field, help)->option_text(metavar)->allow_extra_args(false);
 }
 
+void Cli11CommandLine::words(const std::string& names, std::vector<std::string>& field,
+                             const std::string& metavar, const std::string& help, bool required) {
+  app_.add_option(names, field, help)
+      ->required(required)
+      ->option_text(metavar + " ...")
+      ->delimiter(',');
+}
+
 void Cli11CommandLine::flag(const std::string& names, bool& field, const std::string& help) {
   app_.add_flag(names, field, help);
 }

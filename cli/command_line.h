@@ -33,6 +33,8 @@ class Cli11CommandLine : public CommandLine {
               const std::string& help, bool required) override;
   void option(const std::string& names, std::vector<std::string>& field, const std::string& metavar,
               const std::string& help) override;
+  void words(const std::string& names, std::vector<std::string>& field, const std::string& metavar,
+             const std::string& help, bool required) override;
   void flag(const std::string& names, bool& field, const std::string& help) override;
   void parameters(std::function<void(ParameterSet&)> declare) override;
   void json_output() override;

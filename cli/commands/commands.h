@@ -10,6 +10,7 @@ CommandSpec c3d_diff_command();
 CommandSpec c3d_export_command();
 CommandSpec c3d_info_command();
 CommandSpec convert_command();
+CommandSpec geodesics_command();
 CommandSpec hash_command();
 
 }  // namespace kinemesh::cli

@@ -211,7 +211,7 @@ SurfacePoint UnfoldedMesh::to_surface_point(HalfedgeIndex h, const Eigen::Vector
   const double w2 = std::clamp((point.x() - w3 * frame.px) / frame.length, 0.0, 1.0 - w3);
   SurfacePoint result;
   result.face = original_faces_[h / 3];
-  result.weights[h % 3] = 1.0 - w2 - w3;
+  result.weights[h % 3] = std::max(1.0 - w2 - w3, 0.0);
   result.weights[Topology::next(h) % 3] = w2;
   result.weights[Topology::previous(h) % 3] = w3;
   return result;

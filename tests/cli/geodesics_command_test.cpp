@@ -1,0 +1,78 @@
+// kinemesh geodesics as a user runs it.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "config/input_file.h"
+#include "mesh/formats/mesh_io.h"
+#include "mesh/formats/npz.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/test_shapes.h"
+
+namespace kinemesh {
+namespace {
+
+class GeodesicsCommand : public ::testing::Test {
+ protected:
+  GeodesicsCommand() {
+    write_mesh(builtin_mesh_formats(), test::plane_grid(4, 0.0, 0).mesh(), place("plane.ply"));
+  }
+  std::string place(const std::string& name) const { return (folder_.path() / name).string(); }
+  /// Exit code; standard output in output_.
+  int run(const std::string& arguments) {
+    const std::string command = std::string(KINEMESH_PROGRAM) + " geodesics " + arguments + " > " +
+                                place("stdout") + " 2> " + place("stderr");
+    const int status = std::system(command.c_str());
+    output_ = read_file(place("stdout"));
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+  test::TemporaryFolder folder_;
+  std::string output_;
+};
+
+TEST_F(GeodesicsCommand, DistancesAndPathsAsCsv) {
+  ASSERT_EQ(run(place("plane.ply") + " --from 0 --to 23 -o " + place("d.csv") + " --json"), 0);
+  std::istringstream lines(read_file(place("d.csv")));
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_EQ(line, "vertex,distance");
+  for (int v = 0; v < 25; ++v) {
+    ASSERT_TRUE(std::getline(lines, line));
+    double distance = 0.0;
+    int vertex = -1;
+    ASSERT_EQ(std::sscanf(line.c_str(), "%d,%lf", &vertex, &distance), 2);
+    EXPECT_EQ(vertex, v);
+    EXPECT_NEAR(distance, std::hypot(v % 5, v / 5), 1e-12);
+  }
+  EXPECT_TRUE(read_file(place("d_path.csv")).starts_with("path,x,y,z,face,b0,b1,b2\n0,0,0,0,"));
+  const nlohmann::json json = nlohmann::json::parse(output_);
+  EXPECT_NEAR(json["targets"][0]["distance_mm"].get<double>(), 5.0, 1e-12);
+}
+
+TEST_F(GeodesicsCommand, EveryMethodAndOutput) {
+  EXPECT_EQ(run(place("plane.ply") + " --from 0 6 --method dijkstra -o " + place("d.npz")), 0);
+  EXPECT_EQ(npz_array(read_npz(place("d.npz")), "distances").size(), 25U);
+  EXPECT_EQ(run(place("plane.ply") + " --from 0:0.2:0.3:0.5 --method heat -o " + place("d.ply")),
+            0);
+  EXPECT_EQ(read_mesh(builtin_mesh_formats(), place("d.ply")).positions.size(), 25U);
+  EXPECT_EQ(run(place("plane.ply") + " --from 0,6 --to 24 -o " + place("d.png")), 0);
+  EXPECT_TRUE(read_file(place("d.png")).starts_with("\x89PNG"));
+}
+
+TEST_F(GeodesicsCommand, MistakesHaveTheirExitCodeAndLeaveNothing) {
+  const std::size_t before =
+      (run(place("plane.ply") + " --from 99 -o " + place("d.csv")), folder_.entry_count());
+  EXPECT_EQ(run(place("plane.ply") + " --from 99 -o " + place("d.csv")), 2);
+  EXPECT_EQ(run(place("plane.ply") + " --from x -o " + place("d.csv")), 2);
+  EXPECT_EQ(run(place("plane.ply") + " --from 0 -o " + place("d.txt")), 2);
+  EXPECT_EQ(run(place("plane.ply") + " -o " + place("d.csv")), 2);
+  EXPECT_EQ(run(place("missing.ply") + " --from 0 -o " + place("d.csv")), 3);
+  EXPECT_EQ(folder_.entry_count(), before);
+}
+
+}  // namespace
+}  // namespace kinemesh
