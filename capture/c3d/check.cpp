@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "capture/c3d/ezc3d_process.h"
 #include "capture/c3d/ezc3d_reader.h"
 #include "capture/c3d/lint.h"
 #include "capture/session_diff.h"
@@ -69,16 +70,15 @@ void add_differences(const SessionDiffResult& diff, C3dCheckResult& result) {
 
 void ask_ezc3d(const std::filesystem::path& path, const C3dCheckOptions& options,
                const C3dReadResult& own, C3dCheckResult& result, const RunContext& ctx) {
-  if (const std::string why = ezc3d_refusal(own); !why.empty()) {
-    result.findings.push_back(c3d_finding("C3D801", "ezc3d was not asked: " + why, ""));
+  if (const std::string unsuited = ezc3d_refusal(own); !unsuited.empty()) {
+    result.findings.push_back(c3d_finding("C3D801", "ezc3d was not asked: " + unsuited, ""));
     return;
   }
   C3dReadResult other{.take = own.take, .header = own.header, .layout = own.layout};
-  try {
-    reread_with_ezc3d(path, options.read.c3d, other, true);
-  } catch (const InputError& e) {
+  const std::string why = reread_with_ezc3d_apart(path, options.read.c3d, other, ctx);
+  if (!why.empty()) {
     result.second_opinion = SecondOpinion::refused;
-    result.findings.push_back(c3d_finding("C3D804", e.details().what, ""));
+    result.findings.push_back(c3d_finding("C3D804", why, ""));
     return;
   }
   compare_readers(own.take, other.take, result, ctx);

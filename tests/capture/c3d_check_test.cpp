@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "capture/c3d/ezc3d_process.h"
 #include "capture/c3d/number_format.h"
 #include "capture/c3d/writer.h"
 #include "config/output_file.h"
@@ -94,6 +96,19 @@ TEST(C3dCheck, DamagedFilesAreNotGivenToEzc3d) {
   const C3dCheckResult result = check_bytes(bytes.substr(0, bytes.size() - 700));
   EXPECT_TRUE(has(result, "C3D302"));
   EXPECT_TRUE(has(result, "C3D801"));
+}
+
+TEST(C3dCheck, WhatEzc3dDoesToDamagedFilesStaysInItsProcess) {
+  KINEMESH_NEED_DATA("c3d_conformance/others/mocap36.c3d");
+  for (const char* file : {"sample_18/bad_parameter_section.c3d", "others/mocap36.c3d"}) {
+    const auto path = test::data_folder() / "c3d_conformance" / file;
+    C3dReadResult result = read_c3d(path);
+    result.findings.clear();  // as if it were sound
+    const std::vector<float> before(result.take.positions().begin(), result.take.positions().end());
+    EXPECT_FALSE(reread_with_ezc3d_apart(path, {}, result).empty()) << file;
+    EXPECT_TRUE(std::equal(before.begin(), before.end(), result.take.positions().begin(),
+                           [](float a, float b) { return std::memcmp(&a, &b, sizeof a) == 0; }));
+  }
 }
 
 TEST(C3dCheck, TablesAreLintedToo) {

@@ -53,5 +53,17 @@ TEST(C3dDocs, CodesAscendAndAreUnique) {
   }
 }
 
+/// Each code has a test: it is named in one of the tests of this folder.
+TEST(C3dDocs, EveryCodeIsTested) {
+  const auto folder = test::sample_folder().parent_path() / "tests" / "capture";
+  std::string all;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() == ".cpp") all += read_file(entry.path());
+  }
+  for (const C3dFindingKind& k : c3d_finding_kinds()) {
+    EXPECT_NE(all.find(k.code), std::string::npos) << k.code << " has no test";
+  }
+}
+
 }  // namespace
 }  // namespace kinemesh
