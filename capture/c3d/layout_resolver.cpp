@@ -184,8 +184,9 @@ Candidates<AnalogShape> analog_shapes(const C3dHead& head, double rate) {
     c.add(header, "the header");
     return c;
   }
-  if (named && samples != 0)
+  if (named && samples != 0) {
     c.add(shape(used, samples), "ANALOG:USED and the header's samples per frame");
+  }
   if (named && ratio != 0) c.add(shape(used, ratio), "ANALOG:USED and ANALOG:RATE");
   if (named && used == 0) c.add(AnalogShape{}, "ANALOG:USED");
   c.add(header, "the header");
@@ -198,8 +199,9 @@ Candidates<uint64_t> frame_counts(const C3dHead& head) {
   c.add(positive(first_count(head.parameters, "POINT", "LONG_FRAMES")), "POINT:LONG_FRAMES");
   const auto start = long_count(head.parameters, "TRIAL", "ACTUAL_START_FIELD");
   const auto end = long_count(head.parameters, "TRIAL", "ACTUAL_END_FIELD");
-  if (start && end && *end >= *start && *end > 0)
+  if (start && end && *end >= *start && *end > 0) {
     c.add(*end - *start + 1, "TRIAL:ACTUAL_START_FIELD and ACTUAL_END_FIELD");
+  }
   const C3dHeader& h = head.header;
   const auto named = positive(first_count(head.parameters, "POINT", "FRAMES"));
   // A header that saturates at 65535 knows less than a real-valued POINT:FRAMES.
@@ -273,8 +275,9 @@ void mend_saturated_count(const C3dHead& head, Question& q, Answer& a,
 
 std::string said(const auto& candidates, const auto& text) {
   std::string all;
-  for (const auto& e : candidates.all)
+  for (const auto& e : candidates.all) {
     all += (all.empty() ? "" : ", ") + e.source + " says " + text(e.value);
+  }
   return all;
 }
 
@@ -333,10 +336,12 @@ void report(const Question& q, const Answer& a, bool has_parameters, uint16_t la
 int64_t first_frame_of(const C3dHead& head, uint64_t frames, std::vector<C3dFinding>& findings) {
   const auto start = long_count(head.parameters, "TRIAL", "ACTUAL_START_FIELD");
   const auto end = long_count(head.parameters, "TRIAL", "ACTUAL_END_FIELD");
-  if (start && end && *start > 0 && *end >= *start && *end - *start + 1 == frames)
+  if (start && end && *start > 0 && *end >= *start && *end - *start + 1 == frames) {
     return static_cast<int64_t>(*start);
-  if (start && *start > 65'534 && head.header.first_frame == 65'535)
+  }
+  if (start && *start > 65'534 && head.header.first_frame == 65'535) {
     return static_cast<int64_t>(*start);
+  }
   if (head.header.first_frame == 0) {
     findings.push_back(c3d_finding("C3D105", "the first frame is 0", "byte 6"));
     return 1;
@@ -385,8 +390,9 @@ void note_missing_counts(const C3dHead& head, std::vector<C3dFinding>& findings)
   std::vector<std::string> missing;
   if (!first_count(head.parameters, "POINT", "USED")) missing.emplace_back("POINT:USED");
   if (!head.parameters.find("POINT", "FRAMES")) missing.emplace_back("POINT:FRAMES");
-  if (head.header.analog_per_frame != 0 && !first_count(head.parameters, "ANALOG", "USED"))
+  if (head.header.analog_per_frame != 0 && !first_count(head.parameters, "ANALOG", "USED")) {
     missing.emplace_back("ANALOG:USED");
+  }
   for (const std::string& name : missing) {
     findings.push_back(c3d_finding("C3D318", "there is no " + name, "parameter " + name));
   }
@@ -433,9 +439,10 @@ C3dLayout resolve_layout(const C3dHead& head, std::vector<C3dFinding>& findings)
   }
   find_rotations(head, layout, findings);
   count_frames(head, layout, findings);
-  if (layout.points == 0)
+  if (layout.points == 0) {
     findings.push_back(
         c3d_finding("C3D314", "the file has no points", parameter_place("POINT:USED")));
+  }
   return layout;
 }
 

@@ -32,7 +32,7 @@ std::string first_string(const C3dParameters& tree, std::string_view group, std:
 std::vector<std::string> all_strings(const C3dParameters& tree, std::string_view group,
                                      const std::string& name) {
   std::vector<std::string> all;
-  for (int part = 1; part <= 65536; ++part) {
+  for (int part = 1; part <= 257; ++part) {
     const C3dParameter* p = tree.find(group, part == 1 ? name : name + std::to_string(part));
     if (p == nullptr) break;
     std::vector<std::string> some = p->strings();

@@ -4,16 +4,18 @@
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
+#include <set>
 
 #include "capture/c3d/header_block.h"
 #include "capture/c3d/number_format.h"
+#include "config/text.h"
 
 namespace kinemesh {
 namespace {
 
 // A section of 255 blocks has 130 kB; longer ones exist, absurd ones are cut here.
 constexpr std::size_t max_section_bytes = std::size_t{4} << 20;
-constexpr std::size_t max_records = 65'536;
+constexpr std::size_t max_records = 16'384;
 constexpr std::size_t preamble = 4;  // two reserved bytes, block count, processor
 
 std::string at_byte(std::size_t byte) { return "byte " + std::to_string(byte); }
@@ -60,9 +62,10 @@ std::optional<Processor> unpointed_processor(std::span<const std::byte> bytes, s
   });
   constexpr std::string_view point = "POINT";
   const auto near = bytes.subspan(begin, std::min<std::size_t>(8192, bytes.size() - begin));
-  const bool has_points = !std::ranges::search(near, point, [](std::byte b, char c) {
-                             return std::toupper(static_cast<int>(b)) == c;
-                           }).empty();
+  const bool has_points =
+      std::search(near.begin(), near.end(), point.begin(), point.end(), [](std::byte byte, char c) {
+        return std::toupper(static_cast<int>(byte)) == c;
+      }) != near.end();
   return plain && has_points ? named : std::nullopt;
 }
 
@@ -358,6 +361,7 @@ void add_groups(Parser& parser, C3dParameters& tree) {
 C3dSection build(Parser& parser) {
   C3dSection section;
   add_groups(parser, section.parameters);
+  std::set<std::string> names;
   for (Parser::Record& r : parser.records) {
     if (r.is_group) continue;
     const std::size_t declared = section.parameters.groups.size();
@@ -368,7 +372,7 @@ C3dSection build(Parser& parser) {
                       ", which is not declared",
                   r.at);
     }
-    if (section.parameters.find(group.name, r.parameter.name) != nullptr) {
+    if (!names.insert(std::to_string(r.id) + ':' + lower(r.parameter.name)).second) {
       parser.note("C3D208",
                   "the parameter " + group.name + ":" + r.parameter.name + " stands there twice",
                   r.at);

@@ -49,8 +49,9 @@ std::map<std::string, const KindList*, std::less<>> listed_labels(const C3dParam
     lists.emplace_back(name, list_of(name));
   }
   const std::vector<std::string> groups = all_strings(tree, "POINT", "TYPE_GROUPS");
-  for (std::size_t i = 0; i + 1 < groups.size(); i += 2)
+  for (std::size_t i = 0; i + 1 < groups.size(); i += 2) {
     lists.emplace_back(groups[i], list_of(groups[i + 1]));
+  }
   std::map<std::string, const KindList*, std::less<>> all;
   for (const auto& [name, list] : lists) {
     if (list == nullptr) continue;
@@ -167,8 +168,9 @@ std::vector<std::string> point_labels(const C3dParameters& tree, std::size_t poi
         std::to_string(labels.size()) + " labels for " + std::to_string(points) + " points",
         place));
   }
-  for (std::size_t p = labels.size(); p < points; ++p)
+  for (std::size_t p = labels.size(); p < points; ++p) {
     labels.push_back("point" + std::to_string(p + 1));
+  }
   labels.resize(points);
   return labels;
 }
@@ -229,7 +231,9 @@ PointTable decode_points_table(const C3dParameters& tree, std::size_t points,
   table.markers.reserve(points);
   for (std::size_t p = 0; p < points; ++p) {
     Marker m;
-    const auto [prefix, rest] = split_label(labels[p]);
+    const auto split = split_label(labels[p]);
+    const std::string& prefix = split.first;
+    const std::string& rest = split.second;
     const auto listed = [&] {
       const auto whole = lists.find(labels[p]);
       return whole != lists.end() ? whole : lists.find(rest);
@@ -278,13 +282,15 @@ PointTable decode_points_table(const C3dParameters& tree, std::size_t points,
     }
     if (!millimetres_in(table.length_unit)) table.length_unit = missing_unit;
   }
-  if (converted)
+  if (converted) {
     findings.push_back(
         c3d_finding("C3D406", "labels or descriptions are not UTF-8", "parameter POINT:LABELS"));
-  if (empty > 0)
+  }
+  if (empty > 0) {
     findings.push_back(c3d_finding("C3D411",
                                    count_of(empty, "point has", "points have") + " no label",
                                    "parameter POINT:LABELS"));
+  }
   note_duplicates(table, findings);
   return table;
 }

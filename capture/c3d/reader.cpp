@@ -84,8 +84,9 @@ Opening read_opening(const ByteSource& source, C3dReadResult& result) {
   const bool keyed = block.size() > 1 && block[1] == std::byte{c3d_key};
   opening.section_start =
       find_section(source, opening.leading, static_cast<std::size_t>(block[0]), result.findings);
-  if (!opening.section_start && !keyed)
+  if (!opening.section_start && !keyed) {
     refuse(source, "this is no C3D file: it has neither the header's key nor a parameter section");
+  }
   if (opening.leading != 0) {
     result.findings.push_back(c3d_finding(
         "C3D102", count_of(opening.leading, "zero byte") + " before the header", "byte 0"));
@@ -246,15 +247,17 @@ void note_odd_analog(const AnalogData& analog, const C3dLayout& layout,
     for (std::size_t c = 0; c < channels; ++c) sum += analog.values[i + c] * 0.0F;
     if (sum == 0.0F) continue;
     any = true;
-    for (std::size_t c = 0; c < channels; ++c)
+    for (std::size_t c = 0; c < channels; ++c) {
       odd[c] += std::isfinite(analog.values[i + c]) ? 0 : 1;
+    }
   }
   for (std::size_t c = 0; any && c < channels; ++c) {
-    if (odd[c] > 0)
+    if (odd[c] > 0) {
       findings.push_back(c3d_finding(
           "C3D508",
           count_of(odd[c], "sample") + " of " + analog.channels[c].label + " no finite numbers",
           "analog channel " + analog.channels[c].label));
+    }
   }
 }
 
@@ -324,8 +327,9 @@ C3dReadResult read_source(const ByteSource& source, const C3dReadOptions& option
                         ", the data begin at " + std::to_string(layout.data_begin),
                     "byte " + std::to_string(layout.data_begin)));
   }
-  if (opening.section.end == 0 && layout.frames == 0)
+  if (opening.section.end == 0 && layout.frames == 0) {
     refuse(source, "the file has neither parameters nor a complete frame of data");
+  }
 
   const C3dParameters& tree = result.take.parameters;
   PointTable table =
@@ -387,8 +391,9 @@ C3dReadResult read_c3d(const std::filesystem::path& path, const C3dReadOptions& 
 
 C3dReadResult read_c3d(std::span<const std::byte> bytes, const std::string& name,
                        const C3dReadOptions& options, const RunContext& ctx) {
-  if (options.reader == C3dReader::ezc3d)
+  if (options.reader == C3dReader::ezc3d) {
     throw UsageError({.what = "ezc3d reads files, not memory"});
+  }
   return read_source(MemorySource(bytes, name), options, true, ctx);
 }
 

@@ -179,10 +179,9 @@ std::vector<Case> section_cases() {
       {"C3D212",
        [] {
          C3dParts parts = test::take_apart(healthy());
-         for (int g = 0; g < 100; ++g) {
-           for (int p = 0; p < 700; ++p)
-             parts.parameters.set("G" + std::to_string(g),
-                                  integer_parameter("P" + std::to_string(p), {1.0}));
+         C3dGroup& many = parts.parameters.groups.emplace_back(C3dGroup{.name = "MANY"});
+         for (int p = 0; p < 17'000; ++p) {
+           many.parameters.push_back(integer_parameter("P" + std::to_string(p), {1.0}));
          }
          return put_together(parts);
        }},
