@@ -1,6 +1,8 @@
 #include "capture/c3d/layout_resolver.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <tuple>
 
@@ -99,6 +101,13 @@ std::optional<double> usable_scale(std::optional<double> scale) {
   return scale && std::isfinite(*scale) && *scale != 0.0 ? scale : std::nullopt;
 }
 
+/// The shortest decimal text of a stored 32-bit real.
+std::string real_text(double value) {
+  std::array<char, 64> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), static_cast<float>(value));
+  return {text.data(), end.ptr};
+}
+
 Candidates<double> scales(const C3dHead& head, std::vector<C3dFinding>& findings) {
   Candidates<double> c;
   const auto named = usable_scale(first_number(head.parameters, "POINT", "SCALE"));
@@ -111,7 +120,7 @@ Candidates<double> scales(const C3dHead& head, std::vector<C3dFinding>& findings
     if (named && header && std::abs(*named - *header) > 1e-5 * std::abs(*named)) {
       findings.push_back(c3d_finding(
           "C3D309",
-          "POINT:SCALE is " + format_number(*named) + ", the header says " + format_number(*header),
+          "POINT:SCALE is " + real_text(*named) + ", the header says " + real_text(*header),
           parameter_place("POINT:SCALE")));
     }
   } else {

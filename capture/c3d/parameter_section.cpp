@@ -323,8 +323,7 @@ std::size_t Parser::parse_description(Record& record, std::size_t at, std::size_
   const std::size_t behind = at + 1 + length;
   // The last record may have a pointer to the zero that ends the chain.
   if (stop < bytes.size() && behind < stop && byte(stop) != 0) {
-    note("C3D211", "the pointer of " + name + " skips " + std::to_string(stop - behind) + " bytes",
-         behind);
+    note("C3D211", "the pointer of " + name + " skips " + count_of(stop - behind, "byte"), behind);
   }
   return behind;
 }
