@@ -1,6 +1,7 @@
 #include "reconstruct/edge_motion.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "config/parallel.h"
@@ -113,12 +114,22 @@ std::vector<uint8_t> reliable_samples(const MarkerSequence& take, const EditMesh
   return reliable;
 }
 
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+}  // namespace
+
 EdgeMotion::EdgeMotion(const MarkerSequence& take, const EditMesh& mesh,
                        const std::vector<VertexIndex>& original, double spacing,
                        const RunContext& ctx)
-    : take_(take),
-      original_(original),
-      reliable_(reliable_samples(take, mesh, original, spacing, ctx)) {
+    : take_(take), original_(original) {
+  const auto start = Clock::now();
+  reliable_ = reliable_samples(take, mesh, original, spacing, ctx);
   for (std::size_t i = 0; i < reliable_.size(); ++i) {
     const bool measured =
         (take.flags()[i] & SampleFlag::valid) != 0 && (take.flags()[i] & SampleFlag::filled) == 0;
@@ -131,12 +142,16 @@ EdgeMotion::EdgeMotion(const MarkerSequence& take, const EditMesh& mesh,
   for (std::size_t i = 0; i < edges.size(); ++i) {
     known_[{std::min(edges[i][0], edges[i][1]), std::max(edges[i][0], edges[i][1])}] = ranges[i];
   }
+  seconds_ = seconds_since(start);
 }
 
 const LengthRange& EdgeMotion::of(VertexIndex a, VertexIndex b) {
   const DirectedEdge key{std::min(a, b), std::max(a, b)};
-  const auto found = known_.find(key);
-  return found != known_.end() ? found->second : known_[key] = measure(a, b);
+  if (const auto found = known_.find(key); found != known_.end()) return found->second;
+  const auto start = Clock::now();
+  const LengthRange& range = known_[key] = measure(a, b);
+  seconds_ += seconds_since(start);
+  return range;
 }
 
 LengthRange EdgeMotion::measure(VertexIndex a, VertexIndex b) const {

@@ -40,6 +40,8 @@ class EdgeMotion {
   const LengthRange& of(VertexIndex a, VertexIndex b);
   /// Samples that are measured but not trusted.
   std::size_t jump_samples() const { return jump_samples_; }
+  /// Time spent on the statistics.
+  double seconds() const { return seconds_; }
 
  private:
   LengthRange measure(VertexIndex a, VertexIndex b) const;
@@ -48,6 +50,7 @@ class EdgeMotion {
   const std::vector<VertexIndex>& original_;
   std::vector<uint8_t> reliable_;
   std::size_t jump_samples_ = 0;
+  double seconds_ = 0.0;
   std::map<DirectedEdge, LengthRange> known_;
 };
 

@@ -26,12 +26,14 @@ class MirrorSearch {
   }
 
   MirrorPlane run() const {
+    const std::size_t coarse = 1 + points_.size() / 64;  // enough points to find the region
     State best;
     for (int step = 0; step < 24; ++step) {
       for (int shift = -1; shift <= 1; ++shift) {
-        best = std::min(best, at({step * std::numbers::pi / 24, 0.0, shift * spacing_}));
+        best = std::min(best, at({step * std::numbers::pi / 24, 0.0, shift * spacing_}, coarse));
       }
     }
+    best = at(best.parameters);
     // Coordinate descent: turn in the face's plane, tilt out of it, shift.
     std::array<double, 3> step{std::numbers::pi / 48, std::numbers::pi / 48, 0.5 * spacing_};
     for (int round = 0; round < 6; ++round) {
@@ -54,19 +56,21 @@ class MirrorSearch {
     bool operator<(const State& o) const { return plane.error < o.plane.error; }
   };
 
-  State at(const std::array<double, 3>& parameters) const {
+  State at(const std::array<double, 3>& parameters, std::size_t stride = 1) const {
     State state{parameters, {}};
     const auto& [turn, tilt, shift] = parameters;
     const Eigen::Vector3d flat = std::cos(turn) * across_ + std::sin(turn) * up_;
     state.plane.normal = std::cos(tilt) * flat + std::sin(tilt) * front_;
     state.plane.offset = state.plane.normal.dot(centre_) + shift;
-    state.plane.error = error(state.plane);
+    state.plane.error = error(state.plane, stride);
     return state;
   }
 
-  double error(const MirrorPlane& plane) const {
+  double error(const MirrorPlane& plane, std::size_t stride) const {
     double sum = 0.0;
-    for (const auto& p : points_) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < points_.size(); i += stride, ++count) {
+      const auto& p = points_[i];
       const Eigen::Vector3d q = plane.mirrored(p);
       double least = std::numeric_limits<double>::infinity();
       std::size_t nearest = 0;
@@ -82,7 +86,7 @@ class MirrorSearch {
       const double distance = std::abs(normals_[nearest].dot(q - points_[nearest]));
       sum += outside ? 1.0 : std::min(1.0, distance / spacing_);
     }
-    return sum / static_cast<double>(points_.size());
+    return sum / static_cast<double>(count);
   }
 
   const Points& points_;

@@ -9,7 +9,7 @@
 #include "config/error.h"
 #include "reconstruct/delaunay_flips.h"
 #include "reconstruct/edge_motion.h"
-#include "reconstruct/mirror_plane.h"
+#include "reconstruct/face_frame.h"
 #include "reconstruct/strip.h"
 
 namespace kinemesh {
@@ -36,7 +36,7 @@ class OpeningCutter {
  public:
   OpeningCutter(EditMesh& mesh, const Points& points, double spacing, const MarkerSequence& take,
                 const std::vector<VertexIndex>& original, const OpeningOptions& options,
-                const OpeningConstraints& constraints, const RunContext& ctx)
+                const EdgeConstraints& constraints, const RunContext& ctx)
       : mesh_(mesh),
         points_(points),
         h_(spacing),
@@ -44,16 +44,14 @@ class OpeningCutter {
         options_(options),
         constraints_(constraints),
         motion_(take, mesh, original, spacing, ctx),
-        plane_(find_mirror_plane(mesh, points, spacing)) {
-    for (const auto& n : vertex_normals(mesh, points)) front_ += n;
-    if (front_.norm() > 0) front_.normalize();
-  }
+        frame_(find_face_frame(mesh, points, spacing)) {}
 
   OpeningSearch run() {
     if (options_.mouth != OpeningMode::closed) cut_mouth();
     if (options_.left_eye != OpeningMode::closed || options_.right_eye != OpeningMode::closed)
       cut_eyes();
     result_.jump_samples = motion_.jump_samples();
+    result_.statistics_seconds = motion_.seconds();
     return std::move(result_);
   }
 
@@ -63,10 +61,10 @@ class OpeningCutter {
     for (const auto& [a, b] : strip.edges) {
       const Eigen::Vector3d middle = 0.5 * (points_[a] + points_[b]);
       p.centre += middle / static_cast<double>(strip.edges.size());
-      p.left = std::max(p.left, plane_.side(middle));
-      p.right = std::max(p.right, -plane_.side(middle));
+      p.left = std::max(p.left, frame_.plane.side(middle));
+      p.right = std::max(p.right, -frame_.plane.side(middle));
     }
-    p.side = plane_.side(p.centre);
+    p.side = frame_.plane.side(p.centre);
     p.strip = std::move(strip);
     return p;
   }
@@ -87,6 +85,7 @@ class OpeningCutter {
   double contrast(VertexIndex a, VertexIndex b, Measure measure) {
     const LengthRange& own = motion_.of(a, b);
     const double skin = 0.5 * (strain_beyond(a, b, measure) + strain_beyond(b, a, measure));
+    if (constraints_.forces(a, b)) return 0.0;
     const double variation = (own.*measure)();
     return std::sqrt(std::max(0.0, variation * (variation - own.median * skin))) / h_;
   }
@@ -108,11 +107,9 @@ class OpeningCutter {
     return weights > 0.05 ? sum / weights : 0.0;
   }
 
-  bool symmetric() const { return plane_.error < most_asymmetric; }
-
   /// A mouth lies on both sides of the mirror plane.
   bool straddles(const PlacedStrip& p) const {
-    return !symmetric() || std::min(p.left, p.right) > 0.15 * std::max(p.left, p.right);
+    return !frame_.symmetric() || std::min(p.left, p.right) > 0.15 * std::max(p.left, p.right);
   }
 
   void open(OpeningName name, const Strip& strip, double score, bool forced) {
@@ -127,9 +124,10 @@ class OpeningCutter {
   std::optional<EyePair> best_eyes(const std::vector<PlacedStrip>& strips) const;
   double pair_score(const PlacedStrip& a, const PlacedStrip& b) const;
   bool in_eye_window(const PlacedStrip& a, const PlacedStrip& b) const;
-  Eigen::Vector3d up_axis(const Eigen::Vector3d& eyes) const;
+  Eigen::Vector3d up(const Eigen::Vector3d& eyes) const {
+    return frame_.up(points_, mouth_ ? std::optional(mouth_->centre) : std::nullopt, eyes);
+  }
 
-  static constexpr double most_asymmetric = 0.2;
   static constexpr double largest_notch = 105.0;  // degrees
 
   EditMesh& mesh_;
@@ -137,10 +135,9 @@ class OpeningCutter {
   double h_;
   const MarkerSequence& take_;
   const OpeningOptions& options_;
-  const OpeningConstraints& constraints_;
+  const EdgeConstraints& constraints_;
   EdgeMotion motion_;
-  MirrorPlane plane_;
-  Eigen::Vector3d front_ = Eigen::Vector3d::Zero();
+  FaceFrame frame_;
   std::optional<PlacedStrip> mouth_;
   OpeningSearch result_;
 };
@@ -149,7 +146,7 @@ void OpeningCutter::cut_mouth() {
   const bool forced = options_.mouth == OpeningMode::open;
   const double seed = forced ? 0.0 : options_.mouth_seed;
   const EdgeScore range = [this](VertexIndex a, VertexIndex b) {
-    return motion_.of(a, b).range() / h_;
+    return constraints_.forces(a, b) ? 0.0 : motion_.of(a, b).range() / h_;
   };
   const EdgeScore beyond_skin = [this](VertexIndex a, VertexIndex b) {
     return contrast(a, b, &LengthRange::range);
@@ -185,7 +182,7 @@ void OpeningCutter::cut_mouth() {
 }
 
 double OpeningCutter::pair_score(const PlacedStrip& a, const PlacedStrip& b) const {
-  const double apart = (plane_.mirrored(a.centre) - b.centre).norm() / h_;
+  const double apart = (frame_.plane.mirrored(a.centre) - b.centre).norm() / h_;
   constexpr double farthest = 1.5;
   if (a.side * b.side >= 0 || apart > farthest) return 0.0;
   if (std::min(std::abs(a.side), std::abs(b.side)) < h_) return 0.0;
@@ -198,28 +195,9 @@ double OpeningCutter::pair_score(const PlacedStrip& a, const PlacedStrip& b) con
 bool OpeningCutter::in_eye_window(const PlacedStrip& a, const PlacedStrip& b) const {
   const Eigen::Vector3d middle = 0.5 * (a.centre + b.centre);
   const double apart = (a.centre - b.centre).norm();
-  const double height = (middle - mouth_->centre).dot(up_axis(middle));
+  const double height = (middle - mouth_->centre).dot(up(middle));
   return height > 0.6 * apart && height < 1.9 * apart &&
          apart > 0.7 * (mouth_->left + mouth_->right);
-}
-
-/// In the mirror plane, across the front, towards the forehead: away from the mouth; without one,
-/// from the nose (the markers near the plane that stand out most) to the eyes.
-Eigen::Vector3d OpeningCutter::up_axis(const Eigen::Vector3d& eyes) const {
-  const Eigen::Vector3d axis = front_.cross(plane_.normal).normalized();
-  if (mouth_) {
-    double above = 0.0;  // the mouth lies low in the face
-    for (const auto& p : points_) above += axis.dot(p - mouth_->centre);
-    return above >= 0 ? axis : Eigen::Vector3d(-axis);
-  }
-  std::vector<std::pair<double, double>> nose;  // how far it stands out, how far below the eyes
-  for (const auto& p : points_) {
-    if (std::abs(plane_.side(p)) < 1.5 * h_) nose.emplace_back(front_.dot(p), axis.dot(eyes - p));
-  }
-  std::sort(nose.rbegin(), nose.rend());
-  double below = 0.0;
-  for (std::size_t i = 0; i < std::min<std::size_t>(3, nose.size()); ++i) below += nose[i].second;
-  return below >= 0 ? axis : Eigen::Vector3d(-axis);
 }
 
 std::optional<EyePair> OpeningCutter::best_eyes(const std::vector<PlacedStrip>& list) const {
@@ -236,7 +214,7 @@ std::optional<EyePair> OpeningCutter::best_eyes(const std::vector<PlacedStrip>& 
 void OpeningCutter::cut_eyes() {
   const EdgeScore shortening = [this](VertexIndex a, VertexIndex b) {
     const LengthRange& length = motion_.of(a, b);
-    return length.shortening() / h_ * length.median / h_;
+    return constraints_.forces(a, b) ? 0.0 : length.shortening() / h_ * length.median / h_;
   };
   const EdgeScore beyond_skin = [this](VertexIndex a, VertexIndex b) {
     return contrast(a, b, &LengthRange::shortening);
@@ -266,7 +244,7 @@ void OpeningCutter::cut_eyes() {
     }
     if (!wanted) continue;
     const auto& [a, b] = pair->eyes;
-    const Eigen::Vector3d left = up_axis(0.5 * (a.centre + b.centre)).cross(front_);
+    const Eigen::Vector3d left = up(0.5 * (a.centre + b.centre)).cross(frame_.front);
     const bool a_is_left = left.dot(a.centre - b.centre) > 0;
     const PlacedStrip& eye = a_is_left == (name == OpeningName::left_eye) ? a : b;
     open(name, eye.strip, found, forced);
@@ -310,7 +288,7 @@ void OpeningOptions::declare(ParameterSet& p) {
 
 OpeningSearch cut_openings(EditMesh& mesh, const Points& points, double spacing,
                            const MarkerSequence& take, const std::vector<VertexIndex>& original,
-                           const OpeningOptions& options, const OpeningConstraints& constraints,
+                           const OpeningOptions& options, const EdgeConstraints& constraints,
                            const RunContext& ctx) {
   const bool none = options.mouth == OpeningMode::closed &&
                     options.left_eye == OpeningMode::closed &&

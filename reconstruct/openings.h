@@ -8,6 +8,7 @@
 #include "capture/marker_sequence.h"
 #include "config/parameter.h"
 #include "config/run_context.h"
+#include "reconstruct/edge_constraints.h"
 #include "reconstruct/edit_mesh.h"
 
 namespace kinemesh {
@@ -50,15 +51,11 @@ struct OpeningOptions {
   void validate() const { validate_options(*this); }
 };
 
-/// Edges that flips must keep, and edges that they must not make; smaller vertex first.
-struct OpeningConstraints {
-  std::vector<DirectedEdge> edges, no_edges;
-};
-
 struct OpeningSearch {
   std::vector<Opening> openings;
   std::vector<OpeningCandidate> candidates;
-  std::size_t jump_samples = 0;  ///< samples left out because the marker jumped
+  std::size_t jump_samples = 0;     ///< samples left out because the marker jumped
+  double statistics_seconds = 0.0;  ///< spent on the statistics of the motion
 };
 
 /// Cuts the openings that the motion shows out of `mesh`, which covers them: the mouth where the
@@ -69,7 +66,7 @@ struct OpeningSearch {
 /// one.
 OpeningSearch cut_openings(EditMesh& mesh, const Points& points, double spacing,
                            const MarkerSequence& take, const std::vector<VertexIndex>& original,
-                           const OpeningOptions& options,
-                           const OpeningConstraints& constraints = {}, const RunContext& ctx = {});
+                           const OpeningOptions& options, const EdgeConstraints& constraints = {},
+                           const RunContext& ctx = {});
 
 }  // namespace kinemesh

@@ -45,10 +45,16 @@ bool complete(Surface& s, const Points& points, const SurfaceOptions& options) {
   const double h = s.spacing.mean;
   s.holes_filled = fill_holes(s.mesh, points, options.hole_bound * h);
   s.outwardness = orient_outwards(s.mesh, points);
-  s.flips = flip_to_delaunay(s.mesh, points, options.edges, options.no_edges);
+  const auto& [edges, no_edges] = options.constraints;
+  s.flips = flip_to_delaunay(s.mesh, points);
   s.inserted = insert_missing_vertices(s.mesh, points);
-  s.flips += flip_to_delaunay(s.mesh, points, options.edges, options.no_edges);
-  s.rim_faces_trimmed = trim_rim(s.mesh, points, s.spacing, options.rim_bound, options.edges);
+  s.flips += flip_to_delaunay(s.mesh, points);
+  if (!options.constraints.empty()) {
+    apply_constraints(s.mesh, points, options.constraints);
+    s.flips += flip_to_delaunay(s.mesh, points, edges, no_edges);
+    s.unmet = apply_constraints(s.mesh, points, options.constraints);
+  }
+  s.rim_faces_trimmed = trim_rim(s.mesh, points, s.spacing, options.rim_bound, edges);
   s.outwardness = orient_outwards(s.mesh, points);
   return is_sound(s.mesh);
 }

@@ -3,16 +3,17 @@
 
 #include <string>
 
+#include "reconstruct/edge_constraints.h"
 #include "reconstruct/edit_mesh.h"
 #include "reconstruct/marker_spacing.h"
 
 namespace kinemesh {
 
 struct SurfaceOptions {
-  double edge_bound = 2.2;                    ///< of the advancing front, in marker spacings
-  double rim_bound = 1.8;                     ///< of the rim, in marker spacings
-  double hole_bound = 4.0;                    ///< of the fill of a hole, in marker spacings
-  std::vector<DirectedEdge> edges, no_edges;  ///< constraints, smaller vertex first
+  double edge_bound = 2.2;  ///< of the advancing front, in marker spacings
+  double rim_bound = 1.8;   ///< of the rim, in marker spacings
+  double hole_bound = 4.0;  ///< of the fill of a hole, in marker spacings
+  EdgeConstraints constraints;
 };
 
 struct Surface {
@@ -22,6 +23,7 @@ struct Surface {
   double bound = 0.0;  ///< edge bound that was used, in h
   std::size_t inserted = 0, holes_filled = 0, rim_faces_trimmed = 0, flips = 0;
   double outwardness = 0.0;
+  EdgeConstraints unmet;  ///< constraints that the mesh does not allow
 };
 
 /// All points become vertices of one manifold component of genus 0, outwards, Delaunay by arc

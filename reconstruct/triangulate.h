@@ -30,7 +30,8 @@ struct TriangulateOptions {
 /// What the triangulation did, and how far it can be trusted.
 struct TriangulateDiagnostics {
   double spacing = 0.0;      ///< h: mean distance of a marker to its five nearest, mm
-  std::string method;        ///< "advancing front", or a fallback: "sphere chart", "plane chart"
+  std::string method;        ///< "advancing front", "previous topology", or a fallback:
+                             ///< "sphere chart", "plane chart"
   double bound = 0.0;        ///< edge bound that was used, in h
   std::size_t inserted = 0;  ///< markers that the front left out and that were inserted
   std::size_t holes_filled = 0;
