@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include "config/error.h"
-#include "config/text.h"
+#include "reconstruct/topology_reuse.h"
 
 namespace kinemesh {
 namespace {
@@ -12,7 +12,7 @@ namespace {
 /// The session without what is neither vertex nor head rig, and where the vertices are in it.
 struct Working {
   MarkerSequence take;
-  std::vector<std::size_t> vertices;  ///< columns of `take` that become vertices, ascending
+  std::vector<std::size_t> vertices;  ///< columns of `take` that become vertices, in their order
 };
 
 Working working_set(const MarkerSequence& session, const MarkerSelectionResult& selection) {
@@ -25,6 +25,19 @@ Working working_set(const MarkerSequence& session, const MarkerSelectionResult& 
     if (std::ranges::binary_search(selection.chosen, kept[i])) working.vertices.push_back(i);
   }
   return working;
+}
+
+/// Brings the vertices into the order of the previous mesh, so that both takes share their indices;
+/// markers that it does not have come last.
+void order_like(const Mesh& previous, Working& working) {
+  const auto place = [&](std::size_t column) {
+    const Marker& marker = working.take.markers()[column];
+    const auto& names = previous.vertex_names;
+    auto it = std::ranges::find(names, marker.label);
+    if (it == names.end()) it = std::ranges::find(names, marker.subject + ":" + marker.label);
+    return it - names.begin();
+  };
+  std::ranges::stable_sort(working.vertices, {}, place);
 }
 
 void stabilise(Working& working, const ConvertOptions& options, ConvertResult& result,
@@ -77,7 +90,7 @@ void ConvertOptions::validate() const {
 }
 
 ConvertResult convert_session(const MarkerSequence& session, const ConvertOptions& options,
-                              const RunContext& ctx) {
+                              const std::optional<Mesh>& previous, const RunContext& ctx) {
   options.validate();
   if (session.frame_count() == 0) {
     throw NoResultError({.what = "the session has no frames", .file = session.origin.path});
@@ -87,6 +100,7 @@ ConvertResult convert_session(const MarkerSequence& session, const ConvertOption
       select_markers(session, options.selection, ctx.part(0.0, 0.02, "choosing markers"));
   result.warnings = result.selection.warnings;
   Working working = working_set(session, result.selection);
+  if (previous) order_like(*previous, working);
   if (options.stabilise) {
     stabilise(working, options, result, ctx.part(0.02, 0.15, "removing head motion"));
   }
@@ -97,7 +111,9 @@ ConvertResult convert_session(const MarkerSequence& session, const ConvertOption
   }
   const MarkerSequence faces = fill(working, options, result, ctx.part(0.15, 0.6, "filling gaps"));
   const RunContext meshing = ctx.part(0.6, 0.9, "triangulating");
-  result.triangulation = triangulate(faces, options.triangulate, meshing);
+  result.triangulation =
+      previous ? reuse_topology(*previous, faces, options.triangulate, meshing).triangulation
+               : triangulate(faces, options.triangulate, meshing);
   std::ranges::copy(result.triangulation.diagnostics.warnings, std::back_inserter(result.warnings));
   CarryResult carried =
       carry_topology(result.triangulation.topology, faces, result.triangulation.frame,

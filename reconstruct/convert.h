@@ -48,10 +48,10 @@ struct ConvertResult {
   std::vector<std::string> warnings;  ///< what is doubtful, in full sentences
 };
 
-/// Converts a session.
+/// Converts a session. With `previous`, its triangulation is used again by marker name.
 /// Throws NoResultError when no marker is left or no mesh can be made of them, UsageError for
 /// options that do not fit the session.
 ConvertResult convert_session(const MarkerSequence& session, const ConvertOptions& options = {},
-                              const RunContext& ctx = {});
+                              const std::optional<Mesh>& previous = {}, const RunContext& ctx = {});
 
 }  // namespace kinemesh

@@ -145,6 +145,24 @@ void check_previous(const Mesh& previous) {
   }
 }
 
+/// The topology of these triangles: the previous one itself when they are the same, so that two
+/// takes of a subject share every index, whatever order the triangles were kept in meanwhile.
+std::shared_ptr<const Topology> topology_of(const Mesh& previous, std::size_t vertex_count,
+                                            std::vector<Triangle> triangles) {
+  const auto ordered = [](std::vector<Triangle> faces) {
+    for (Triangle& face : faces) {
+      std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
+    }
+    std::sort(faces.begin(), faces.end());
+    return faces;
+  };
+  if (previous.topology->vertex_count() == vertex_count &&
+      ordered(previous.topology->faces()) == ordered(triangles)) {
+    return previous.topology;
+  }
+  return Topology::create(vertex_count, std::move(triangles));
+}
+
 /// Names the loops but the rim by where they lie: one across the mirror plane is the mouth, the
 /// largest on either side are the eyes.
 std::vector<Opening> name_by_place(const EditMesh& mesh, const Points& points, double spacing) {
@@ -200,7 +218,7 @@ ReuseResult reuse_topology(const Mesh& previous, const MarkerSequence& take,
   TriangulateResult& t = result.triangulation;
   TriangulateDiagnostics& d = t.diagnostics;
   d.outwardness = orient_outwards(mesh, reference.points);
-  t.topology = Topology::create(take.marker_count(), mesh.triangles());
+  t.topology = topology_of(previous, take.marker_count(), mesh.triangles());
   d.method = "previous topology";
   d.inserted = reuse.inserted();
   d.flips = reuse.flips();

@@ -114,8 +114,10 @@ ExitCode convert(State& state, Terminal& terminal) {
       read_session(state.session, state.reading, terminal.run.part(0.0, 0.1, "reading"));
   // A wrong name or format is said before the work is done, not after it.
   output_format(formats, state.output, state.writing, session.frame_count());
+  std::optional<Mesh> previous;
+  if (!state.previous.empty()) previous = read_mesh(formats, state.previous, {}, terminal.run);
   ConvertResult result =
-      convert_session(session, state.options, terminal.run.part(0.1, 0.7, "converting"));
+      convert_session(session, state.options, previous, terminal.run.part(0.1, 0.7, "converting"));
   result.animation.provenance = provenance_of(state, terminal);
   const std::vector<std::string> outputs = write_outputs(state, session, formats, result, terminal);
   terminal.run.progress(1.0);
@@ -142,6 +144,8 @@ CommandSpec convert_command() {
             line.positional("SESSION", state->session, "The session: C3D, TRC or CSV");
             line.option("-o,--output", state->output, "OUT",
                         "File of the animated mesh; its extension decides the format", true);
+            line.option("--topology", state->previous, "PREVIOUS",
+                        "Use the triangulation of this mesh again, by marker name");
             line.parameters([state](ParameterSet& p) { state->declare(p); });
             line.json_output();
             return [state](Terminal& terminal) { return convert(*state, terminal); };

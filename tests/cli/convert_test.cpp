@@ -100,6 +100,24 @@ TEST(Convert, RealTakesGiveSoundMeshes) {
   EXPECT_TRUE(brows.summary["mesh"]["openings"].empty());
 }
 
+TEST(Convert, ATopologyIsUsedAgainByMarkerName) {
+  const TemporaryFolder folder;
+  const Converted happy = convert(test::sample_folder() / "anna_happy.c3d",
+                                  folder.path() / "happy.ply", {"--no-pictures"});
+  const Converted surprise =
+      convert(test::sample_folder() / "anna_surprise.c3d", folder.path() / "surprise.ply",
+              {"--no-pictures", "--topology", folder.path() / "happy.ply"});
+  EXPECT_EQ(surprise.mesh.topology(), happy.mesh.topology());
+  EXPECT_EQ(surprise.mesh.vertex_names, happy.mesh.vertex_names);
+  // One marker fewer: the rest keeps its edges, and the missing one is said.
+  const Converted fewer =
+      convert(test::sample_folder() / "anna_surprise.c3d", folder.path() / "fewer.ply",
+              {"--no-pictures", "--topology", folder.path() / "happy.ply", "--exclude", "CNOS03"});
+  EXPECT_EQ(fewer.mesh.vertex_count(), happy.mesh.vertex_count() - 1);
+  EXPECT_TRUE(fewer.mesh.topology().is_manifold());
+  EXPECT_NE(fewer.summary["doubtful"].dump().find("CNOS03"), std::string::npos);
+}
+
 TEST(Convert, TheNumberOfThreadsDoesNotChangeAByte) {
   const TemporaryFolder folder;
   const fs::path session = test::sample_folder() / "anna_happy.c3d";
