@@ -15,6 +15,7 @@
 #include "capture/marker_sequence.h"
 #include "tests/support/geodesic_delaunay.h"
 #include "tests/support/marker_layout.h"
+#include "tests/support/recording.h"
 #include "tests/support/synthetic_face.h"
 
 namespace kinemesh::test {
@@ -54,28 +55,6 @@ Motion make_motion(MotionKind kind);
 /// The same motion as another person, or the same one another day, does it: earlier or later by
 /// up to 0.15 s, up to 8 % faster or slower, each part up to 10 % weaker or stronger.
 Motion vary(const Motion& motion, uint64_t seed);
-
-struct TakeOptions {
-  double rate_hz = 120;
-  double duration_s = 3.5;
-  double noise_mm = 0.15;      ///< standard deviation on each coordinate
-  std::size_t short_gaps = 0;  ///< of 0.02 to 0.15 s, mostly of two to four neighbours at once
-  std::size_t long_gaps = 0;   ///< of 0.3 to 1 s, one marker each, head rig included
-  double head_degrees = 0;     ///< amplitude of head rotation about each axis
-  double head_mm = 0;          ///< amplitude of head translation along each axis
-  bool head_rig = false;       ///< adds six rigid markers after those of the face
-  bool label_swap = false;     ///< two neighbouring markers exchange names from some frame on
-  std::string subject = "subject";
-  uint64_t seed = 1;
-};
-
-struct GapRecord {
-  std::size_t marker, first_frame, last_frame;  ///< 0-based, inclusive
-};
-struct SwapRecord {
-  std::size_t first, second;  ///< markers whose trajectories are exchanged
-  std::size_t from_frame;     ///< from here to the end of the take
-};
 
 struct SyntheticTake {
   std::shared_ptr<const SyntheticFace> face;
