@@ -65,7 +65,7 @@ constexpr auto kinds = std::to_array<C3dFindingKind>({
     {"C3D313", info, "The number of frames, or of the last one, is more than 16 bits can hold",
      nothing},
     {"C3D314", info, "The file has no points", nothing},
-    {"C3D315", info, "The file holds rotations, which are kept but not interpreted", nothing},
+    {"C3D315", info, "The file holds rotations, which are not read", nothing},
     {"C3D316", error, "No frame rate is given; 1 Hz is used",
      "Set POINT:RATE in the software that wrote the file"},
     {"C3D317", error, "The data section would begin outside the file", repair},
