@@ -85,7 +85,7 @@ struct Console::State {
   void print_line(double fraction, std::string_view stage) {
     // A run shorter than a second needs no progress lines in a log file.
     const auto now = Clock::now();
-    if (now - started < std::chrono::seconds(1) || stage == last_stage) return;
+    if (now - started < std::chrono::seconds(1) || stage.empty() || stage == last_stage) return;
     last_stage = stage;
     std::fprintf(stderr, "kinemesh: %3.0f %%  %.*s\n", 100.0 * fraction,
                  static_cast<int>(stage.size()), stage.data());
