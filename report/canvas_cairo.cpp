@@ -25,32 +25,42 @@ using Context = std::unique_ptr<cairo_t, Destroy>;
 
 constexpr std::size_t max_pixels = std::size_t{64} << 20U;
 
-Surface new_surface(int width, int height) {
+Surface new_surface(int width, int height, cairo_format_t format = CAIRO_FORMAT_ARGB32) {
   if (width < 1 || height < 1 ||
       static_cast<std::size_t>(width) * static_cast<std::size_t>(height) > max_pixels) {
     throw NoResultError({.what = "a picture of " + std::to_string(width) + " × " +
                                  std::to_string(height) + " pixels cannot be drawn",
                          .remedy = "Ask for a smaller picture or for SVG"});
   }
-  Surface surface(cairo_image_surface_create(CAIRO_FORMAT_ARGB32, width, height));
+  Surface surface(cairo_image_surface_create(format, width, height));
   if (cairo_surface_status(surface.get()) != CAIRO_STATUS_SUCCESS) throw std::bad_alloc();
   return surface;
 }
 
+bool opaque(const Image& image) {
+  for (std::size_t i = 3; i < image.rgba.size(); i += 4) {
+    if (image.rgba[i] != 255) return false;
+  }
+  return true;
+}
+
 // Cairo keeps premultiplied native-endian ARGB words, Image straight bytes.
 Surface surface_of(const Image& image) {
-  Surface surface = new_surface(image.width, image.height);
+  const bool solid = opaque(image);
+  Surface surface =
+      new_surface(image.width, image.height, solid ? CAIRO_FORMAT_RGB24 : CAIRO_FORMAT_ARGB32);
   cairo_surface_flush(surface.get());
   unsigned char* rows = cairo_image_surface_get_data(surface.get());
   const int stride = cairo_image_surface_get_stride(surface.get());
   for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      const uint8_t* p = image.pixel(x, y);
+    const uint8_t* p = image.pixel(0, y);
+    unsigned char* out = rows + static_cast<std::ptrdiff_t>(y) * stride;
+    for (int x = 0; x < image.width; ++x, p += 4, out += 4) {
       const uint32_t a = p[3];
-      const auto times_alpha = [a](uint32_t c) { return (c * a + 127U) / 255U; };
+      const auto times_alpha = [a, solid](uint32_t c) { return solid ? c : (c * a + 127U) / 255U; };
       const uint32_t word =
           (a << 24U) | (times_alpha(p[0]) << 16U) | (times_alpha(p[1]) << 8U) | times_alpha(p[2]);
-      std::memcpy(rows + static_cast<std::ptrdiff_t>(y) * stride + 4 * x, &word, 4);
+      std::memcpy(out, &word, 4);
     }
   }
   cairo_surface_mark_dirty(surface.get());
@@ -62,16 +72,18 @@ Image image_of(cairo_surface_t* surface) {
   Image image(cairo_image_surface_get_width(surface), cairo_image_surface_get_height(surface));
   const unsigned char* rows = cairo_image_surface_get_data(surface);
   const int stride = cairo_image_surface_get_stride(surface);
-  const bool opaque = cairo_image_surface_get_format(surface) == CAIRO_FORMAT_RGB24;
+  const bool solid = cairo_image_surface_get_format(surface) == CAIRO_FORMAT_RGB24;
   for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
+    uint8_t* p = image.pixel(0, y);
+    const unsigned char* in = rows + static_cast<std::ptrdiff_t>(y) * stride;
+    for (int x = 0; x < image.width; ++x, p += 4, in += 4) {
       uint32_t word = 0;
-      std::memcpy(&word, rows + static_cast<std::ptrdiff_t>(y) * stride + 4 * x, 4);
-      const uint32_t a = opaque ? 255U : word >> 24U;
-      uint8_t* p = image.pixel(x, y);
-      for (int c = 0; c < 3; ++c) {
-        const uint32_t level = (word >> (16U - 8U * static_cast<unsigned>(c))) & 255U;
-        p[c] = static_cast<uint8_t>(a == 0 ? 0 : std::min(255U, (level * 255U + a / 2) / a));
+      std::memcpy(&word, in, 4);
+      const uint32_t a = solid ? 255U : word >> 24U;
+      for (unsigned c = 0; c < 3; ++c) {
+        const uint32_t level = (word >> (16U - 8U * c)) & 255U;
+        const uint32_t straight = a == 255U ? level : a == 0 ? 0 : (level * 255U + a / 2) / a;
+        p[c] = static_cast<uint8_t>(std::min(255U, straight));
       }
       p[3] = static_cast<uint8_t>(a);
     }

@@ -1,6 +1,7 @@
 #include "report/image.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "config/output_file.h"
@@ -12,11 +13,11 @@ Image::Image(int w, int h, const Colour& fill)
   const auto byte = [](double c) {
     return static_cast<uint8_t>(std::lround(std::clamp(c, 0.0, 1.0) * 255.0));
   };
+  const std::array<uint8_t, 4> pixel_bytes = {byte(fill.r), byte(fill.g), byte(fill.b),
+                                              byte(fill.a)};
   for (std::size_t i = 0; i < rgba.size(); i += 4) {
-    rgba[i] = byte(fill.r);
-    rgba[i + 1] = byte(fill.g);
-    rgba[i + 2] = byte(fill.b);
-    rgba[i + 3] = byte(fill.a);
+    std::copy(pixel_bytes.begin(), pixel_bytes.end(),
+              rgba.begin() + static_cast<std::ptrdiff_t>(i));
   }
 }
 
