@@ -56,4 +56,11 @@ EvaluateFillResult evaluate_fill(const MarkerSequence& take,
                                  const EvaluateFillOptions& options = {},
                                  const RunContext& ctx = {});
 
+/// The table for a person: one line a method.
+std::string evaluate_fill_text(const EvaluateFillResult& result);
+/// {"gap_frames", "trials"…, "methods": [{"method", "median_mm", …}]}: the fields of FillScore
+/// under their names; null where a figure does not exist.
+std::string evaluate_fill_json(const EvaluateFillResult& result, const EvaluateFillOptions& options,
+                               const std::string& file);
+
 }  // namespace kinemesh

@@ -30,12 +30,14 @@ class Covariance {
         rate_hz_(rate_hz),
         options_(options),
         frames_(set.rows),
+        time_amplitude_(amplitude(set, rate_hz, options)),
         gram_(gram(set.inputs)) {
     frames_.insert(frames_.end(), set.gap.begin(), set.gap.end());
   }
 
   std::size_t rows() const { return set_.rows.size(); }
-  double prior() const { return options_.quadratic + 1.0 + options_.constant; }
+  double time_amplitude() const { return time_amplitude_; }
+  double prior() const { return options_.quadratic + time_amplitude_ + options_.constant; }
 
   /// Between the training rows `chosen` (upper triangle).
   Dense among(const std::vector<std::size_t>& chosen, const Setting& setting, double nugget) const {
@@ -69,6 +71,11 @@ class Covariance {
   }
 
  private:
+  static double amplitude(const TrainingSet& set, double rate_hz, const ProcessOptions& options) {
+    const double gap_s = static_cast<double>(set.gap.size()) / (rate_hz > 0.0 ? rate_hz : 60.0);
+    return std::clamp(options.time_over_gap_s / gap_s, 8.0, 40.0);
+  }
+
   /// a ≤ b.
   double value(std::size_t a, std::size_t b, const Setting& setting,
                const std::vector<double>& time) const {
@@ -88,7 +95,7 @@ class Covariance {
     for (std::size_t d = 0;; ++d) {
       const double r = std::sqrt(7.0) * static_cast<double>(d) / frames;
       const double value = (1.0 + r + 0.4 * r * r + r * r * r / 15.0) * std::exp(-r);
-      table.push_back(value < 1e-12 ? 0.0 : value);
+      table.push_back(value < 1e-12 ? 0.0 : time_amplitude_ * value);
       if (!(table.back() > 0.0)) return table;
     }
   }
@@ -97,6 +104,7 @@ class Covariance {
   double rate_hz_;
   const ProcessOptions& options_;
   std::vector<std::size_t> frames_;
+  double time_amplitude_;
   Dense gram_;
 };
 
@@ -160,13 +168,15 @@ std::vector<std::size_t> probe_rows(const TrainingSet& set) {
   return near;
 }
 
-/// The variance that no input explains, in units of the time term's: the most likely one.
+/// The variance that no input explains, in units of the covariance: the most likely one,
+/// at least a millionth of the time term's (less lets the inputs be taken as exact, which harms).
 double choose_nugget(const Covariance& covariance, const TrainingSet& set, const Setting& setting) {
   const std::vector<std::size_t> rows = probe_rows(set);
-  double best = 1e-6;
+  double best = 1e-6 * covariance.time_amplitude();
   double best_likelihood = -std::numeric_limits<double>::infinity();
   const Dense base = covariance.among(rows, setting, 0.0);
-  for (double nugget = 1e-6; nugget < 20.0; nugget *= std::sqrt(10.0)) {
+  for (double factor = 1e-6; factor < 20.0; factor *= std::sqrt(10.0)) {
+    const double nugget = factor * covariance.time_amplitude();
     Dense k = base;
     for (std::size_t i = 0; i < rows.size(); ++i) k(i, i) += nugget;
     const Fitted fitted = fit(std::move(k), set.outputs, rows);

@@ -17,6 +17,8 @@ struct ProcessOptions {
   double linear = 200.0;  ///< amplitudes; only their relations matter, the time term's is 1
   double quadratic = 10.0;
   double constant = 1.0;
+  double time_over_gap_s = 10.0;  ///< the time term's: this over the length of the gap, 8 to 40,
+                                  ///< for the shorter a gap, the more the marker's own motion tells
   std::vector<double> lengths = {0.125, 0.25, 0.5};  ///< of the rational quadratic, in units of the
                                                      ///< root mean square norm of the inputs
   std::vector<double> times_s = {5.0 / 60.0, 10.0 / 60.0};  ///< of the Matérn term

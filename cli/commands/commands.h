@@ -7,6 +7,7 @@ namespace kinemesh::cli {
 
 CommandSpec c3d_check_command();
 CommandSpec c3d_diff_command();
+CommandSpec c3d_evaluate_fill_command();
 CommandSpec c3d_export_command();
 CommandSpec c3d_info_command();
 CommandSpec convert_command();
