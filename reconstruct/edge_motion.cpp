@@ -171,6 +171,7 @@ LengthRange EdgeMotion::measure(VertexIndex a, VertexIndex b) const {
   }
   if (lengths.empty()) return {};
   LengthRange range;
+  range.used = static_cast<double>(lengths.size()) / static_cast<double>(take_.frame_count());
   range.low = quantile(lengths, 0.01);
   range.median = quantile(lengths, 0.5);
   range.high = quantile(lengths, 0.99);

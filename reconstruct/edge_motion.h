@@ -17,6 +17,7 @@ struct LengthRange {
   double low = 0.0;  ///< 1 %
   double median = 0.0;
   double high = 0.0;  ///< 99 %
+  double used = 0.0;  ///< share of the frames in which both samples were used
   double range() const { return high - low; }
   double shortening() const { return median - low; }
 };

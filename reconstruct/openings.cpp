@@ -72,6 +72,7 @@ class OpeningCutter {
   std::vector<PlacedStrip> strips(const StripRule& rule, std::size_t fewest) const {
     std::vector<PlacedStrip> list;
     for (Strip& s : find_strips(mesh_, rule)) {
+      drop_corner_fans(s, points_, at_slit * h_);
       if (s.edges.size() >= fewest) list.push_back(placed(std::move(s)));
     }
     return list;
@@ -123,11 +124,16 @@ class OpeningCutter {
   void cut_eyes();
   std::optional<EyePair> best_eyes(const std::vector<PlacedStrip>& strips) const;
   double pair_score(const PlacedStrip& a, const PlacedStrip& b) const;
+  /// Some samples of its markers are missing.
+  std::function<bool(VertexIndex, VertexIndex)> doubtful() {
+    return [this](VertexIndex a, VertexIndex b) { return motion_.of(a, b).used < 0.99; };
+  }
   bool in_eye_window(const PlacedStrip& a, const PlacedStrip& b) const;
   Eigen::Vector3d up(const Eigen::Vector3d& eyes) const {
     return frame_.up(points_, mouth_ ? std::optional(mouth_->centre) : std::nullopt, eyes);
   }
 
+  static constexpr double at_slit = 0.28;         // spacings
   static constexpr double largest_notch = 105.0;  // degrees
 
   EditMesh& mesh_;
@@ -151,7 +157,8 @@ void OpeningCutter::cut_mouth() {
   const EdgeScore beyond_skin = [this](VertexIndex a, VertexIndex b) {
     return contrast(a, b, &LengthRange::range);
   };
-  const StripRule rule{range, seed, beyond_skin, forced ? 0.0 : mouth_floor, mouth_share};
+  const StripRule rule{range,       seed,      beyond_skin, forced ? 0.0 : mouth_floor,
+                       mouth_share, doubtful()};
   std::string reason = "the distances across it vary too little";
   double strongest = 0.0;
   for (PlacedStrip& p : strips(rule, 1)) {
@@ -221,8 +228,9 @@ void OpeningCutter::cut_eyes() {
   };
   const bool any_forced =
       options_.left_eye == OpeningMode::open || options_.right_eye == OpeningMode::open;
-  const StripRule rule{shortening, any_forced ? 0.0 : eye_seed, beyond_skin,
-                       any_forced ? 0.0 : eye_floor, eye_share};
+  const StripRule rule{shortening,  any_forced ? 0.0 : eye_seed,
+                       beyond_skin, any_forced ? 0.0 : eye_floor,
+                       eye_share,   doubtful()};
   const auto pair = best_eyes(strips(rule, 2));
   const double found = pair ? pair->score : 0.0;
   bool cut = false;

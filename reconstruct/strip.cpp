@@ -1,10 +1,12 @@
 #include "reconstruct/strip.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <set>
 
 #include "config/error.h"
@@ -31,6 +33,7 @@ class StripGrower {
     std::vector<Scored> forward{seed}, backward;
     taken_ = {a, b};
     threshold_ = std::max(rule_.floor, rule_.share * rule_.contrast(a, b));
+    bridge_ = std::max(threshold_, 0.5 * rule_.contrast(a, b));
     grow_one_way(a, b, forward);
     grow_one_way(b, a, backward);
     std::vector<Scored> all(backward.rbegin(), backward.rend());
@@ -38,6 +41,7 @@ class StripGrower {
     shorten_to_free_corners(all);
     for (const Scored& e : all) {
       strip.edges.push_back(e.edge);
+      strip.strengths.push_back(e.score);
       strip.peak = std::max(strip.peak, e.score);
       strip.sum += e.score;
     }
@@ -57,7 +61,10 @@ class StripGrower {
       if (apex == invalid_index || !usable(apex) || taken_.contains(apex)) return;
       const double over_a = rule_.contrast(a, apex);  // keeps a, leaves b behind
       const double over_b = rule_.contrast(b, apex);
-      if (std::max(over_a, over_b) <= threshold_) return;
+      if (std::max(over_a, over_b) <= threshold_) {
+        if (!bridge(a, b, edges)) return;
+        continue;
+      }
       taken_.insert(apex);
       if (over_a >= over_b) {
         b = apex;
@@ -67,6 +74,38 @@ class StripGrower {
       edges.push_back({sorted(a, b), rule_.strength(a, b)});
       // The next triangle lies beyond the new edge, on its left in this direction.
     }
+  }
+
+  /// Over up to three doubtful edges to the next strong one, by the shortest way. Moves a → b and
+  /// lists the edges; false, and no change, where there is no such way.
+  bool bridge(VertexIndex& a, VertexIndex& b, std::vector<Scored>& edges) {
+    for (int doubtful = 1; doubtful <= 3; ++doubtful) {
+      std::vector<DirectedEdge> way;
+      if (!find_way(a, b, doubtful, way)) continue;
+      for (const auto& [p, q] : way) {
+        taken_.insert({p, q});
+        edges.push_back({sorted(p, q), rule_.strength(p, q)});
+      }
+      a = way.back()[0];
+      b = way.back()[1];
+      return true;
+    }
+    return false;
+  }
+
+  bool find_way(VertexIndex a, VertexIndex b, int doubtful, std::vector<DirectedEdge>& way) const {
+    const VertexIndex apex = mesh_.opposite(a, b);
+    if (apex == invalid_index || !usable(apex) || taken_.contains(apex)) return false;
+    for (const DirectedEdge& next : {DirectedEdge{a, apex}, DirectedEdge{apex, b}}) {
+      way.push_back(next);
+      if (doubtful == 0
+              ? rule_.contrast(next[0], next[1]) > bridge_
+              : rule_.doubtful(next[0], next[1]) && find_way(next[0], next[1], doubtful - 1, way)) {
+        return true;
+      }
+      way.pop_back();
+    }
+    return false;
   }
 
   /// The triangles at the ends bring a corner each, which must be free and not of the strip.
@@ -105,6 +144,7 @@ class StripGrower {
   std::vector<bool> used_;
   std::set<VertexIndex> taken_;
   double threshold_ = 0.0;
+  double bridge_ = 0.0;
 };
 
 /// +1 and −1 for the vertices on either side of the strip.
@@ -137,6 +177,63 @@ double hole_angle(const EditMesh& mesh, const Points& p, VertexIndex a, VertexIn
   return std::max(angle(a, c), 2 * std::numbers::pi - taken);
 }
 
+/// The line of a slit in the surface, from the middles of edges across it.
+struct SlitLine {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  Eigen::Vector3d across = Eigen::Vector3d::Zero();  ///< in which lips part, unit or 0
+
+  /// Into the face, the third direction, the slit may bend.
+  double distance(const Eigen::Vector3d& p) const { return std::abs((p - centre).dot(across)); }
+};
+
+SlitLine line_through(const std::vector<DirectedEdge>& edges, const Points& points,
+                      std::size_t begin, std::size_t end) {
+  const auto middle = [&](std::size_t i) -> Eigen::Vector3d {
+    return 0.5 * (points[edges[i][0]] + points[edges[i][1]]);
+  };
+  SlitLine line;
+  for (std::size_t i = begin; i < end; ++i)
+    line.centre += middle(i) / static_cast<double>(end - begin);
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (std::size_t i = begin; i < end; ++i) {
+    covariance += (middle(i) - line.centre) * (middle(i) - line.centre).transpose();
+    const Eigen::Vector3d edge = points[edges[i][0]] - points[edges[i][1]];
+    line.across += edge.dot(line.across) < 0 ? Eigen::Vector3d(-edge) : edge;
+  }
+  const Eigen::Vector3d along =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvectors().col(2);
+  line.across -= line.across.dot(along) * along;
+  if (line.across.norm() > 0) line.across.normalize();
+  return line;
+}
+
+/// Number of edges at the end of the strip that share `pivot`.
+std::size_t fan_length(const std::vector<DirectedEdge>& edges, VertexIndex pivot, bool front) {
+  std::size_t run = 0;
+  while (run < edges.size()) {
+    const DirectedEdge& e = front ? edges[run] : edges[edges.size() - 1 - run];
+    if (e[0] != pivot && e[1] != pivot) break;
+    ++run;
+  }
+  return run;
+}
+
+/// Edges to drop at one end, see drop_corner_fans().
+std::size_t corner_fan(const Strip& strip, const Points& points, const SlitLine& line, double near,
+                       bool front) {
+  constexpr double weak = 0.7;  // of the strongest edge
+  std::size_t longest = 0;
+  for (const VertexIndex pivot : front ? strip.edges.front() : strip.edges.back()) {
+    if (line.distance(points[pivot]) >= near) continue;
+    const auto run = static_cast<std::ptrdiff_t>(fan_length(strip.edges, pivot, front));
+    const auto begin = front ? strip.strengths.begin() : strip.strengths.end() - run;
+    if (*std::max_element(begin, begin + run) < weak * strip.peak) {
+      longest = std::max(longest, static_cast<std::size_t>(run));
+    }
+  }
+  return longest;
+}
+
 }  // namespace
 
 std::vector<Strip> find_strips(const EditMesh& mesh, const StripRule& rule) {
@@ -157,6 +254,27 @@ std::vector<Strip> find_strips(const EditMesh& mesh, const StripRule& rule) {
   std::stable_sort(strips.begin(), strips.end(),
                    [](const Strip& a, const Strip& b) { return a.sum > b.sum; });
   return strips;
+}
+
+void drop_corner_fans(Strip& strip, const Points& points, double near) {
+  constexpr std::size_t fewest = 4;  // edges that remain
+  const auto both = [&](bool front) {
+    const DirectedEdge end = front ? strip.edges.front() : strip.edges.back();
+    return std::max(fan_length(strip.edges, end[0], front), fan_length(strip.edges, end[1], front));
+  };
+  const std::size_t n = strip.edges.size();
+  if (n < fewest || both(true) + both(false) + 2 > n) return;
+  const SlitLine line = line_through(strip.edges, points, both(true), n - both(false));
+  const std::size_t first = corner_fan(strip, points, line, near, true);
+  const std::size_t last = corner_fan(strip, points, line, near, false);
+  if (first + last + fewest > n) return;
+  const auto crop = [&](auto& list) {
+    list.erase(list.end() - static_cast<std::ptrdiff_t>(last), list.end());
+    list.erase(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(first));
+  };
+  crop(strip.edges);
+  crop(strip.strengths);
+  strip.sum = std::accumulate(strip.strengths.begin(), strip.strengths.end(), 0.0);
 }
 
 void cut_strip(EditMesh& mesh, const Strip& strip) {
