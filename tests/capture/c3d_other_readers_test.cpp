@@ -169,6 +169,7 @@ void expect_same_points(const MarkerSequence& take, const PythonRead& python, do
       for (int k = 0; k < 3; ++k)
         ASSERT_NEAR(take.position(f, m)[k], p[k] * unit_mm, 1e-3) << f << " " << m;
       ASSERT_NEAR(take.residuals()[take.sample(f, m)], p[3] * unit_mm, 1e-3);
+      ASSERT_EQ(static_cast<double>(take.camera_masks()[take.sample(f, m)]), p[4]);
     }
   }
 }
