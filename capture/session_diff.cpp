@@ -213,8 +213,9 @@ class Comparison {
         if (matched[i] || o.label != e.label || o.context != e.context || o.subject != e.subject)
           continue;
         if (best == b_.events.size() ||
-            std::abs(o.time_s - e.time_s) < std::abs(b_.events[best].time_s - e.time_s))
+            std::abs(o.time_s - e.time_s) < std::abs(b_.events[best].time_s - e.time_s)) {
           best = i;
+        }
       }
       if (best == b_.events.size()) {
         add(DifferenceKind::event, "event " + e.label, describe(e) + " is only in A");

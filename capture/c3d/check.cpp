@@ -58,9 +58,10 @@ void add_differences(const SessionDiffResult& diff, C3dCheckResult& result) {
   for (const auto& [kind, group] : groups) {
     const std::size_t more = group.places.size() - 1;
     std::string message = "with Kinemesh as A and ezc3d as B, " + group.largest.message;
-    if (more > 0)
+    if (more > 0) {
       message +=
           "; likewise " + count_of(more, "more marker or channel", "more markers or channels");
+    }
     if (!group.fault.empty()) message += "; ezc3d is wrong: " + group.fault;
     if (group.fault.empty()) result.second_opinion = SecondOpinion::differs;
     result.findings.push_back(

@@ -243,9 +243,10 @@ void list_left_out(const MarkerSequence& take, ExportFormat format, SessionExpor
   if (format != ExportFormat::trc) return;
   std::size_t others = 0;
   for (const Marker& m : take.markers()) others += m.kind > MarkerKind::virtual_point ? 1 : 0;
-  if (others > 0)
+  if (others > 0) {
     result.left_out.push_back(
         count_of(others, "angle, force or other column", "angles, forces and other columns"));
+  }
   if (!take.analog.channels.empty()) {
     result.left_out.push_back(count_of(take.analog.channels.size(), "analog channel"));
   }

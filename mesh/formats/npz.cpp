@@ -133,9 +133,10 @@ class NpyParser {
     const auto byte = [this](std::size_t i) { return static_cast<unsigned char>(content_[i]); };
     const bool short_length = byte(6) == 1;
     std::size_t length = byte(8) | static_cast<std::size_t>(byte(9)) << 8U;
-    if (!short_length)
+    if (!short_length) {
       length |= static_cast<std::size_t>(byte(10)) << 16U | static_cast<std::size_t>(byte(11))
                                                                 << 24U;
+    }
     const std::size_t start = short_length ? 10 : 12;
     if (content_.size() - start < length) refuse("its header is cut off");
     header_ = content_.substr(start, length);
