@@ -74,7 +74,8 @@ struct TrialScore {
   double seconds = 0.0;
 };
 
-void add(TrialScore& score, const MarkerSequence& truth, const GapAt& gap,
+/// `truth_noise`: variance of the noise in what stands for the truth, mm² per coordinate.
+void add(TrialScore& score, const MarkerSequence& truth, double truth_noise, const GapAt& gap,
          const fill::Estimate& estimate) {
   double squares = 0.0;
   for (std::size_t i = 0; i < gap.frames.size(); ++i) {
@@ -82,16 +83,16 @@ void add(TrialScore& score, const MarkerSequence& truth, const GapAt& gap,
     const double error = (estimate.positions[i] - p).norm();
     squares += error * error;
     if (estimate.sd.empty()) continue;
-    const double band = fill_band_90 * estimate.sd[i];
+    const double variance = estimate.sd[i] * estimate.sd[i];
     ++score.samples;
-    score.within += error <= band ? 1 : 0;
-    score.band_sum += band;
+    score.within += error <= fill_band_90 * std::sqrt(variance + truth_noise) ? 1 : 0;
+    score.band_sum += fill_band_90 * estimate.sd[i];
   }
   score.errors.push_back(std::sqrt(squares / static_cast<double>(gap.frames.size())));
 }
 
 TrialScore run_trial(const MarkerSequence& truth, const Trajectories& gapped,
-                     const std::vector<GapAt>& gaps, FillMethod method) {
+                     const std::vector<GapAt>& gaps, FillMethod method, bool clean_truth) {
   const auto begin = std::chrono::steady_clock::now();
   GapFillOptions options{.method = method, .fill_rest = false};
   options.max_gap_s = std::numeric_limits<int>::max() / std::max(1.0, gapped.rate_hz());
@@ -100,7 +101,8 @@ TrialScore run_trial(const MarkerSequence& truth, const Trajectories& gapped,
   for (const GapAt& gap : gaps) {
     const std::optional<fill::Estimate> estimate = filler.estimate(gap);
     if (estimate) {
-      add(score, truth, gap, *estimate);
+      const double noise = clean_truth ? 0.0 : fill::noise_variance(gapped, gap.marker);
+      add(score, truth, noise, gap, *estimate);
     } else {
       ++score.not_filled;
     }
@@ -207,7 +209,7 @@ EvaluateFillResult evaluate_fill(const MarkerSequence& take, const EvaluateFillO
       const auto gaps = draw_gaps(starts, markers, result.gap_frames, ctx.seed() * 1000003ULL + t);
       Trajectories gapped = whole;
       for (const GapAt& gap : gaps) gapped.forget(gap.marker, gap.frames);
-      scores[t] = run_trial(take, gapped, gaps, method);
+      scores[t] = run_trial(take, gapped, gaps, method, options.noise_mm > 0.0);
     });
     part.progress(1.0);
     result.scores.push_back(summarise(method, scores));

@@ -36,7 +36,9 @@ struct FillScore {
   double percentile_90_mm = 0.0;
   double maximum_mm = 0.0;
   double within_band_percent = 0.0;  ///< share of the samples whose true position lies within the
-                                     ///< 90 % band; NaN for methods other than auto
+                                     ///< 90 % band; NaN for methods other than auto. Without
+                                     ///< noise_mm the removed measurements stand for the truth, and
+                                     ///< the band is widened by their own noise (noise_variance()).
   double band_width_mm = 0.0;        ///< mean radius of that band; NaN likewise
   double ms_per_gap = 0.0;           ///< wall time over gaps, on all threads together
 };
