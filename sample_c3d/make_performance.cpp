@@ -40,7 +40,7 @@ void declare(CLI::App& app, Arguments& a) {
   app.add_option("--scale", a.perform.variation.scale, "Scales each expression by 1 ± up to this");
   app.add_option("--delay", a.perform.variation.delay_s, "Delays the motion by up to this, in s");
   app.add_option("--markers", a.marker_mm,
-                 "Also writes a C3D of markers at least so many mm apart; 8 gives about 160");
+                 "Also writes a C3D of markers at least so many mm apart; 9 gives about 160");
 }
 
 /// Face and weights on the model for each vertex: "model_face", "model_barycentric".

@@ -94,7 +94,7 @@ Performance perform(const IctModel& model, const IctSubject& subject, const IctM
 SurfaceMap true_map(const IctModel& model, const Performance& source, const Performance& target);
 
 /// Points of the face (no ears, neck and scalp) at least `least_mm` from each other on the neutral
-/// face, at least 3 mm from the edges of lips and lids, never at vertices. 8 mm gives about 160.
+/// face, at least 3 mm from the edges of lips and lids, never at vertices. 9 mm gives about 160.
 std::vector<SurfacePoint> place_ict_markers(const IctModel& model, double least_mm, uint64_t seed);
 
 struct IctTake {
