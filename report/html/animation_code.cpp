@@ -27,12 +27,15 @@ void check_finite(const AnimatedMesh& animation) {
   }
 }
 
-// Evenly spaced frames: the modes of a take show in a few hundred of its frames.
+// From evenly spaced frames where the mesh is large: the modes of a take show in a few hundred of
+// its frames. Small meshes are learned from every frame.
 PcaResult modes_of(const AnimatedMesh& animation, std::size_t most, const RunContext& ctx) {
   PcaOptions options;
   options.modes = static_cast<int>(std::max<std::size_t>(most, 1));
   const std::size_t frames = animation.frame_count();
-  if (frames <= learning_frames) return pca_of(animation, options, ctx);
+  if (frames <= learning_frames || 3 * animation.vertex_count() <= 800) {
+    return pca_of(animation, options, ctx);
+  }
   AnimatedMesh some(animation.shared_topology(), learning_frames, animation.rate_hz);
   for (std::size_t i = 0; i < learning_frames; ++i) {
     some.frame(i) = animation.frame(i * (frames - 1) / (learning_frames - 1));

@@ -15,7 +15,7 @@ namespace kinemesh {
 struct AnimationCodeOptions {
   std::size_t max_bytes = 1300000;  ///< of the code, before base64 (which adds a third)
   double max_error_mm = 0.05;       ///< enough: no more is stored once every sample is this near
-  std::size_t max_modes = 64;
+  std::size_t max_modes = 200;      ///< more would play slowly in a browser
 };
 
 /// Frame f lies between the keys around f / key_step; its vertices are
