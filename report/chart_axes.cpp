@@ -11,7 +11,7 @@ Ticks nice_ticks(double low, double high, int at_most, bool integer) {
   Ticks ticks;
   if (!std::isfinite(low) || !std::isfinite(high)) return ticks;
   const double span = high - low;
-  if (!(span > 0.0) || !std::isfinite(span)) {
+  if (!(span > 1e-290) || !std::isfinite(span)) {  // below, a tenth of it may be no number
     ticks.values = {low};
     return ticks;
   }

@@ -117,7 +117,8 @@ TEST_F(C3dCommands, ExportsAreSessionsForEveryCommand) {
     const ProgramRun diff =
         run({"c3d", "diff", sound_, in(name), "--no-parameters", "--tolerance", "100", "--json"});
     EXPECT_EQ(diff.exit_code, 0) << diff.err;
-    for (const auto& d : nlohmann::json::parse(diff.out)["differences"]) {
+    const auto differences = nlohmann::json::parse(diff.out)["differences"];
+    for (const auto& d : differences) {
       EXPECT_TRUE(d["kind"] == "analog" || d["kind"] == "event" || d["kind"] == "camera_mask") << d;
     }
     EXPECT_EQ(run({"c3d", "info", in(name)}).exit_code, 0);
