@@ -11,7 +11,7 @@
 namespace kinemesh {
 namespace {
 
-constexpr std::size_t most_frames = 600;  // sampled evenly over the take
+constexpr std::size_t most_frames = 400;  // sampled evenly over the take
 constexpr double unknown = std::numeric_limits<double>::infinity();
 
 /// A sub-take of the candidates: frames × candidates.
@@ -220,14 +220,15 @@ Body form_body(const Sample& s, const std::vector<std::size_t>& members) {
   return body;
 }
 
-/// RMS distance to expect of a marker that is as rigid as the members, at `place`: its own error
-/// and that of the pose there.
-double expected(const Body& body, const Eigen::Vector3d& place, std::size_t members) {
+/// RMS distance to expect of a marker that is as rigid as the first members, at `place`: its own
+/// error and that of the pose there.
+double expected(const Body& body, double core_rms, const Eigen::Vector3d& place,
+                std::size_t members) {
   const Eigen::Vector3d r = place - body.centre;
   Eigen::Matrix3d cross;
   cross << 0.0, -r.z(), r.y(), r.z(), 0.0, -r.x(), -r.y(), r.x(), 0.0;
   const double turned = (cross * body.turning * cross.transpose()).trace() / 3.0;
-  return body.member_rms * std::sqrt(1.0 + 1.0 / static_cast<double>(members) + turned);
+  return core_rms * std::sqrt(1.0 + 1.0 / static_cast<double>(members) + turned);
 }
 
 }  // namespace
@@ -242,20 +243,17 @@ RigidMarkersResult find_rigid_markers(const MarkerSequence& take, const RunConte
   if (members.size() < 3) members = tightest(change, 3);
   if (members.size() < 3) return result;
   Body body = form_body(s, members);
+  const double core_rms = body.member_rms;  // not that of all members: it would creep up with them
   for (;;) {
     ctx.check_cancelled();
-    std::size_t best = s.markers.size();
-    double best_ratio = tolerance;
+    std::vector<std::size_t> joining;
     for (std::size_t k = 0; k < s.markers.size(); ++k) {
       if (std::ranges::find(members, k) != members.end()) continue;
-      const double ratio = body.residuals[k] / expected(body, body.places[k], members.size());
-      if (ratio < best_ratio) {
-        best_ratio = ratio;
-        best = k;
-      }
+      const double limit = tolerance * expected(body, core_rms, body.places[k], members.size());
+      if (body.residuals[k] < limit) joining.push_back(k);
     }
-    if (best == s.markers.size()) break;
-    members.push_back(best);
+    if (joining.empty()) break;
+    members.insert(members.end(), joining.begin(), joining.end());
     body = form_body(s, members);
   }
   for (const std::size_t k : members) result.markers.push_back(s.markers[k]);

@@ -16,8 +16,9 @@ struct RigidMarkersResult {
 
 /// Starts from the four markers (three, if there are no more) whose mutual distances change least
 /// over all frames in relation to their length, so that a small patch of skin cannot win over a
-/// rig that spans the head; then adds the marker that fits best, as long as it is no farther from
-/// its place than the others' own error, carried over to where it lies, explains (× 1.4). Only
+/// rig that spans the head; then adds the markers that fit, until none does: those no farther from
+/// their place than the error of the first four, carried over to where they lie, explains (× 1.4).
+/// Skin that stays still relative to the skull in this take fits, too. Only
 /// points of kind `marker` that are measured in half of the take, or more, are considered; the
 /// worst hundredth of the frames (jumps) is disregarded.
 RigidMarkersResult find_rigid_markers(const MarkerSequence& take, const RunContext& ctx = {});
