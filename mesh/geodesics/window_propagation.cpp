@@ -82,9 +82,10 @@ void WindowPropagation::reach(VertexIndex v, double distance, double direction,
 }
 
 void WindowPropagation::propagate_bucket() {
+  constexpr std::size_t ahead = 8;  // frames take about as long to load as 8 windows to compute
   const std::size_t count = bucket_.size();
   for (std::size_t i = 0; i < count; ++i) {
-    if (i + 2 < count) mesh_.prefetch(bucket_[i + 2].halfedge);
+    if (i + ahead < count) mesh_.prefetch(bucket_[i + ahead].halfedge);
     const Window& window = bucket_[i];
     if (window.offset > distances_[window.origin]) continue;  // its origin is nearer by now
     if (window.halfedge == invalid_index) {
