@@ -7,7 +7,6 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
-#include <ranges>
 #include <utility>
 
 #include "config/error.h"
@@ -115,8 +114,9 @@ OutputSet::~OutputSet() {
   if (committed_) return;
   files_.clear();
   std::error_code ignored;
-  for (const fs::path& folder : std::views::reverse(created_folders_)) {
-    fs::remove(folder, ignored);  // only when empty
+  while (!created_folders_.empty()) {
+    fs::remove(created_folders_.back(), ignored);  // only when empty
+    created_folders_.pop_back();
   }
 }
 

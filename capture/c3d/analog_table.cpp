@@ -30,9 +30,10 @@ double general_scale(const C3dParameters& tree, std::vector<C3dFinding>& finding
         analog_place("GEN_SCALE")));
     return 1.0;
   }
-  if (*value < 0.0)
+  if (*value < 0.0) {
     findings.push_back(c3d_finding("C3D506", "ANALOG:GEN_SCALE is " + format_number(*value),
                                    analog_place("GEN_SCALE")));
+  }
   return *value;
 }
 
@@ -120,9 +121,10 @@ AnalogTable decode_analog_table(const C3dParameters& tree, const C3dLayout& layo
                                        std::to_string(layout.analog_channels) + " channels",
                                    analog_place("LABELS")));
   }
-  if (converted)
+  if (converted) {
     findings.push_back(c3d_finding("C3D406", "analog labels, units or descriptions are not UTF-8",
                                    analog_place("LABELS")));
+  }
   decode_factors(tree, layout, table, findings);
   decode_offsets(tree, layout, first_samples, table, findings);
   return table;

@@ -132,7 +132,7 @@ std::string reread_with_ezc3d_apart(const std::filesystem::path& path,
     }
     ::usleep(2000);
   }
-  const std::string reason = reason_of(status, shared);
+  std::string reason = reason_of(status, shared);
   if (reason.empty()) shared.load();
   return reason;
 }

@@ -141,8 +141,7 @@ C3dWritePlan plan_repair(const C3dReadResult& read) {
   C3dReadResult moved{.take = read.take};
   if (C3dParameter* start = moved.take.parameters.find("ROTATION", "DATA_START");
       start != nullptr && !start->numbers.empty()) {
-    start->numbers[0] =
-        static_cast<double>(plan.header.data_block) + static_cast<double>(behind / c3d_block);
+    start->numbers[0] = static_cast<double>(plan.header.data_block + behind / c3d_block);
     plan = plan_c3d(moved.take, same);
   }
   return plan;

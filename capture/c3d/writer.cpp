@@ -74,10 +74,11 @@ void note_what_c3d_lacks(const MarkerSequence& take, const C3dWritePlan& plan,
 void check_shape(const MarkerSequence& take) {
   const std::size_t values =
       take.frame_count() * take.analog.samples_per_frame * take.analog.channels.size();
-  if (take.analog.values.size() != values)
+  if (take.analog.values.size() != values) {
     throw UsageError(
         {.what = "the analog data have " + std::to_string(take.analog.values.size()) +
                  " values, not frames × samples × channels = " + std::to_string(values)});
+  }
   const auto& offsets = take.unlabelled.offsets;
   if (!offsets.empty() && (offsets.size() != take.frame_count() + 1 ||
                            offsets.back() > take.unlabelled.positions.size())) {

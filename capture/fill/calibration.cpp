@@ -65,7 +65,8 @@ double band_factor(const TrainingSet& set, const Dense& factor, const Eigen::Mat
     }
   }
   if (ratios.empty()) return 1.0;
-  const auto at = static_cast<std::size_t>(0.9 * static_cast<double>(ratios.size() - 1) + 0.5);
+  const auto at =
+      static_cast<std::size_t>(std::lround(0.9 * static_cast<double>(ratios.size() - 1)));
   std::ranges::nth_element(ratios, ratios.begin() + static_cast<std::ptrdiff_t>(at));
   constexpr double least = 0.3;  // a factor outside these bounds says more about few blocks
   constexpr double most = 5.0;   // than about the process

@@ -127,9 +127,8 @@ class TableReader {
     const double span = rows_.back().time - rows_.front().time;
     double from_times = 0.0;
     if (table_.time_column != none && span > 0) {
-      const auto steps =
-          static_cast<double>((rows_.back().frame - rows_.front().frame) / frame_step());
-      from_times = steps / span;
+      const auto steps = (rows_.back().frame - rows_.front().frame) / frame_step();
+      from_times = static_cast<double>(steps) / span;
       if (std::abs(from_times - std::round(from_times)) < 2e-3 * from_times && from_times > 1) {
         from_times = std::round(from_times);  // times are rounded in the file
       }

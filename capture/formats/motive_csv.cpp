@@ -93,8 +93,9 @@ std::vector<PointColumns> find_points(const HeaderRows& rows) {
         {.marker = marker_of(cell(rows.names, c), cell(rows.types, c)), .xyz = {c, c + 1, c + 2}});
     c += 2;
   }
-  std::ranges::stable_partition(
-      points, [](const PointColumns& p) { return p.marker.kind != MarkerKind::virtual_point; });
+  std::stable_partition(points.begin(), points.end(), [](const PointColumns& p) {
+    return p.marker.kind != MarkerKind::virtual_point;
+  });
   return points;
 }
 

@@ -169,8 +169,9 @@ std::vector<PointColumns> find_points(const TableText& text, Comments& comments,
     const std::string name = without_suffix(names[c], ".x");
     if (name.empty()) continue;
     if (c + 2 >= names.size() || names[c + 1] != name + ".y" || names[c + 2] != name + ".z") {
-      text.refuse(comments.header_line, "behind '" + names[c] + "' the columns '" + name +
-                                            ".y' and '" + name + ".z' must follow");
+      std::string what = "behind '";
+      what.append(names[c]).append("' the columns '").append(name).append(".y' and '");
+      text.refuse(comments.header_line, what.append(name).append(".z' must follow"));
     }
     PointColumns point{.marker = marker_from_name(name), .xyz = {c, c + 1, c + 2}};
     if (const auto it = comments.markers.find(name);

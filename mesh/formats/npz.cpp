@@ -282,37 +282,37 @@ void check_size(std::string_view name, const std::vector<std::size_t>& shape, st
 
 }  // namespace
 
-void NpzWriter::add(std::string_view name, std::vector<std::size_t> shape,
+void NpzWriter::add(std::string_view name, const std::vector<std::size_t>& shape,
                     std::span<const float> values) {
   check_size(name, shape, values.size());
   add_member(name, "<f4", shape, values.data(), values.size_bytes());
 }
 
-void NpzWriter::add(std::string_view name, std::vector<std::size_t> shape,
+void NpzWriter::add(std::string_view name, const std::vector<std::size_t>& shape,
                     std::span<const double> values) {
   check_size(name, shape, values.size());
   add_member(name, "<f8", shape, values.data(), values.size_bytes());
 }
 
-void NpzWriter::add(std::string_view name, std::vector<std::size_t> shape,
+void NpzWriter::add(std::string_view name, const std::vector<std::size_t>& shape,
                     std::span<const int32_t> values) {
   check_size(name, shape, values.size());
   add_member(name, "<i4", shape, values.data(), values.size_bytes());
 }
 
-void NpzWriter::add(std::string_view name, std::vector<std::size_t> shape,
+void NpzWriter::add(std::string_view name, const std::vector<std::size_t>& shape,
                     std::span<const int64_t> values) {
   check_size(name, shape, values.size());
   add_member(name, "<i8", shape, values.data(), values.size_bytes());
 }
 
-void NpzWriter::add(std::string_view name, std::vector<std::size_t> shape,
+void NpzWriter::add(std::string_view name, const std::vector<std::size_t>& shape,
                     std::span<const uint8_t> values) {
   check_size(name, shape, values.size());
   add_member(name, "|u1", shape, values.data(), values.size_bytes());
 }
 
-void NpzWriter::add_booleans(std::string_view name, std::vector<std::size_t> shape,
+void NpzWriter::add_booleans(std::string_view name, const std::vector<std::size_t>& shape,
                              std::span<const uint8_t> values) {
   check_size(name, shape, values.size());
   std::string bytes(values.size(), '\0');

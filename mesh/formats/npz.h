@@ -35,13 +35,18 @@ class NpzWriter {
  public:
   /// Each copies its values; their number must be the product of the shape (else InternalError).
   /// A name is used once and is the key in Python: letters, digits and underscores.
-  void add(std::string_view name, std::vector<std::size_t> shape, std::span<const float> values);
-  void add(std::string_view name, std::vector<std::size_t> shape, std::span<const double> values);
-  void add(std::string_view name, std::vector<std::size_t> shape, std::span<const int32_t> values);
-  void add(std::string_view name, std::vector<std::size_t> shape, std::span<const int64_t> values);
-  void add(std::string_view name, std::vector<std::size_t> shape, std::span<const uint8_t> values);
+  void add(std::string_view name, const std::vector<std::size_t>& shape,
+           std::span<const float> values);
+  void add(std::string_view name, const std::vector<std::size_t>& shape,
+           std::span<const double> values);
+  void add(std::string_view name, const std::vector<std::size_t>& shape,
+           std::span<const int32_t> values);
+  void add(std::string_view name, const std::vector<std::size_t>& shape,
+           std::span<const int64_t> values);
+  void add(std::string_view name, const std::vector<std::size_t>& shape,
+           std::span<const uint8_t> values);
   /// True and false as NumPy's bool; every value other than 0 is true.
-  void add_booleans(std::string_view name, std::vector<std::size_t> shape,
+  void add_booleans(std::string_view name, const std::vector<std::size_t>& shape,
                     std::span<const uint8_t> values);
   /// A list of UTF-8 texts (NumPy's unicode strings).
   void add(std::string_view name, std::span<const std::string> texts);

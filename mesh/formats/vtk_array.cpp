@@ -152,28 +152,29 @@ std::vector<Out> numbers_of(const VtkFile& file, const XmlElement& array) {
   }
   const std::string bytes = binary_bytes(file, array);
   const std::string type = type_of(array);
-  if (type == "Float32")
+  if (type == "Float32") {
     convert<Out, float>(file, bytes, out);
-  else if (type == "Float64")
+  } else if (type == "Float64") {
     convert<Out, double>(file, bytes, out);
-  else if (type == "Int8")
+  } else if (type == "Int8") {
     convert<Out, int8_t>(file, bytes, out);
-  else if (type == "UInt8")
+  } else if (type == "UInt8") {
     convert<Out, uint8_t>(file, bytes, out);
-  else if (type == "Int16")
+  } else if (type == "Int16") {
     convert<Out, int16_t>(file, bytes, out);
-  else if (type == "UInt16")
+  } else if (type == "UInt16") {
     convert<Out, uint16_t>(file, bytes, out);
-  else if (type == "Int32")
+  } else if (type == "Int32") {
     convert<Out, int32_t>(file, bytes, out);
-  else if (type == "UInt32")
+  } else if (type == "UInt32") {
     convert<Out, uint32_t>(file, bytes, out);
-  else if (type == "Int64")
+  } else if (type == "Int64") {
     convert<Out, int64_t>(file, bytes, out);
-  else if (type == "UInt64")
+  } else if (type == "UInt64") {
     convert<Out, uint64_t>(file, bytes, out);
-  else
+  } else {
     fail(file, array, "the type '" + type + "' is not known");
+  }
   return out;
 }
 
