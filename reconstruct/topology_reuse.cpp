@@ -228,11 +228,13 @@ ReuseResult reuse_topology(const Mesh& previous, const MarkerSequence& take,
   describe_result(t, take, reference, spacing, named);
   result.missing = reuse.missing();
   result.added = reuse.added();
-  for (const auto& name : result.missing)
+  for (const auto& name : result.missing) {
     d.warnings.push_back("the vertex " + name +
                          " of the previous mesh is no marker of this take and was removed");
-  for (const auto& name : result.added)
+  }
+  for (const auto& name : result.added) {
     d.warnings.push_back("the marker " + name + " is not in the previous mesh and was inserted");
+  }
   return result;
 }
 
