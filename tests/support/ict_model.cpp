@@ -38,9 +38,8 @@ std::vector<std::vector<Eigen::Vector3f>> read_deltas(const std::filesystem::pat
 std::size_t IctModel::expression(std::string_view name) const {
   const auto found = std::find(expression_names.begin(), expression_names.end(), name);
   if (found == expression_names.end()) {
-    throw UsageError(
-        {.what = "The face model has no expression named " + std::string(name),
-         .remedy = "Did you mean " + nearest_word(name, expression_names) + "?"});
+    throw UsageError({.what = "The face model has no expression named " + std::string(name),
+                      .remedy = "Did you mean " + nearest_word(name, expression_names) + "?"});
   }
   return static_cast<std::size_t>(found - expression_names.begin());
 }
