@@ -9,7 +9,9 @@
   FORMAT(obj)                         \
   FORMAT(off)                         \
   FORMAT(vtp)                         \
-  FORMAT(pvd)
+  FORMAT(pvd)                         \
+  FORMAT(stl)                         \
+  FORMAT(npz)
 
 namespace kinemesh {
 

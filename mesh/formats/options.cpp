@@ -19,11 +19,6 @@ void ReadOptions::declare(ParameterSet& p) {
             .min = 0,
             .max = 1e6,
             .help = "frames per second of input files that do not say; 0 leaves it unknown"});
-  p.number("merge-distance", merge_distance_mm,
-           {.unit = "mm",
-            .min = 0,
-            .max = 1000,
-            .help = "corners of STL triangles this close become one vertex; 0 merges equal ones"});
 }
 
 void GltfOptions::declare(ParameterSet& p) {

@@ -15,8 +15,6 @@ struct ReadOptions {
   LengthUnit unit = LengthUnit::mm;
   /// Frames per second of files that do not say; 0 leaves the rate unknown.
   double rate_hz = 0.0;
-  /// Vertices of STL files at the same position become one. Exact equality when 0.
-  double merge_distance_mm = 0.0;
 
   void declare(ParameterSet& p);
   void validate() const { validate_options(*this); }
