@@ -11,7 +11,9 @@
   FORMAT(vtp)                         \
   FORMAT(pvd)                         \
   FORMAT(stl)                         \
-  FORMAT(npz)
+  FORMAT(npz)                         \
+  FORMAT(glb)                         \
+  FORMAT(gltf)
 
 namespace kinemesh {
 

@@ -23,14 +23,18 @@ struct ReadOptions {
 enum class Encoding { binary, binary_big, ascii };
 enum class VertexColour { none, deformation };
 
+/// Which axis of the data points up. glTF prescribes Y; nothing else asks.
+enum class UpAxis { y, z };
+
 /// Options of glTF and GLB alone.
 struct GltfOptions {
-  /// Size of the animation file, MB = 10⁶ bytes; 0 takes 6 MB per 5,000 vertices × 60 s × 120 Hz,
-  /// and never less than 1 MB.
-  double budget_mb = 0.0;
-  /// Largest error of any vertex in any frame; when above 0, the smallest file that keeps it.
+  /// Largest size of all files together, MB = 10⁶ bytes. Modes and key rate are chosen for the
+  /// least RMS error within it, and the file stays smaller when 0.001 mm is reached before.
+  double budget_mb = 6.0;
+  /// When above 0: the smallest file whose every vertex in every frame is closer than this.
   double max_error_mm = 0.0;
   VertexColour colour = VertexColour::none;
+  UpAxis up = UpAxis::z;
 
   void declare(ParameterSet& p);
   void validate() const { validate_options(*this); }
