@@ -141,14 +141,19 @@ MarkerSequence read_trc(const TableText& text, const TableReadOptions& options,
 
 void write_trc(const MarkerSequence& take, const std::filesystem::path& path,
                const RunContext& ctx) {
+  OutputFile file(path);
+  write_trc(take, file, ctx);
+  file.commit();
+}
+
+void write_trc(const MarkerSequence& take, OutputFile& file, const RunContext& ctx) {
   std::vector<std::size_t> points;
   for (std::size_t m = 0; m < take.marker_count(); ++m) {
     if (take.markers()[m].kind <= MarkerKind::virtual_point) points.push_back(m);
   }
   const std::string rate = format_number(take.rate_hz);
   const std::string frames = std::to_string(take.frame_count());
-  OutputFile file(path);
-  file.write("PathFileType\t4\t(X/Y/Z)\t" + path.filename().string() + "\n");
+  file.write("PathFileType\t4\t(X/Y/Z)\t" + file.path().filename().string() + "\n");
   file.write(
       "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\t"
       "OrigNumFrames\n");
@@ -185,7 +190,6 @@ void write_trc(const MarkerSequence& take, const std::filesystem::path& path,
     row += '\n';
     file.write(row);
   }
-  file.commit();
 }
 
 }  // namespace kinemesh

@@ -27,7 +27,7 @@ class ObjReader {
         case 'v': read_vertex(); break;
         case 'f': read_face(); break;
         case '#': metadata_.read(comment()); break;
-        default: check_keyword();
+        default: skip_statement();
       }
     }
     const std::size_t vertices = positions_.size() / 3;
@@ -58,7 +58,7 @@ class ObjReader {
   }
 
   void read_face() {
-    if (scan_.word() != "f") return check_keyword();
+    if (scan_.word() != "f") return;
     corners_.clear();
     for (;;) {
       if (scan_.at_line_end()) break;
@@ -97,13 +97,12 @@ class ObjReader {
   }
 
   /// OBJ has many statements that say nothing about the mesh; what is no word is no OBJ.
-  void check_keyword() {
+  void skip_statement() {
     const char c = scan_.peek();
-    const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-    if (!letter && c != ' ' && c != '\t' && c != '\n' && c != 0 && c != '#' && c != '\r') {
+    if (!(c >= 'a' && c <= 'z') && !(c >= 'A' && c <= 'Z')) {
       scan_.fail("the line does not begin with a word of OBJ");
     }
-    if (const auto line = scan_.rest_of_line(); line.ends_with('\\')) scan_.next_line();
+    while (scan_.rest_of_line().ends_with('\\') && !scan_.at_end()) scan_.next_line();
   }
 
   TextScanner scan_;

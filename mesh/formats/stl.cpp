@@ -100,6 +100,7 @@ MeshData decode_ascii(std::span<const std::byte> bytes, const std::string& name)
       scan.fail("the line begins with '" + word + "', which is no word of STL");
     }
   }
+  if (faces.empty() && !in_facet) scan.fail("the file holds no facet");
   if (in_facet) scan.fail("the file ends within a facet", "The file is damaged or incomplete");
   return finish(merger, std::move(faces));
 }

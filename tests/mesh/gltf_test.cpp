@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -86,10 +87,10 @@ std::vector<double> values_of(const Glb& glb, std::size_t index) {
     for (std::size_t c = 0; c < n; ++c) {
       const char* at = glb.binary.data() + begin + offset + i * stride + c * size;
       const int type = accessor.at("componentType");
-      out.push_back(type == 5126   ? double{load_value<float>(at)}
-                    : type == 5125 ? double{load_value<uint32_t>(at)}
-                    : type == 5123 ? double{load_value<uint16_t>(at)}
-                                   : double{load_value<uint8_t>(at)});
+      out.push_back(type == 5126   ? static_cast<double>(load_value<float>(at))
+                    : type == 5125 ? static_cast<double>(load_value<uint32_t>(at))
+                    : type == 5123 ? static_cast<double>(load_value<uint16_t>(at))
+                                   : static_cast<double>(load_value<uint8_t>(at)));
     }
   }
   if (accessor.contains("min")) {  // must be the actual bounds, to the bit
@@ -260,13 +261,14 @@ TEST(Gltf, AnErrorAskedForIsKeptBySmallFiles) {
     previous = w.bytes;
   }
   EXPECT_THROW(round_trip(mesh, {.max_error_mm = 1e-9}), NoResultError);
-  EXPECT_THROW(round_trip(mesh, {.budget_mb = 0.01}), NoResultError);
+  EXPECT_THROW(round_trip(test::smooth_animation(40, 40, 5, 60.0), {.budget_mb = 0.01}),
+               NoResultError);
 }
 
 TEST(Gltf, MoreBudgetMeansLessErrorUntilItIsNegligible) {
   const AnimatedMesh mesh = test::random_animation(12, 12, 100);
   double previous = std::numeric_limits<double>::infinity();
-  for (const double budget : {0.03, 0.06, 0.12}) {
+  for (const double budget : {0.06, 0.1, 0.2}) {
     const Written w = round_trip(mesh, {.budget_mb = budget});
     EXPECT_LE(static_cast<double>(w.bytes), budget * 1e6);
     EXPECT_LT(w.report.rms_error_mm, previous);
@@ -341,7 +343,8 @@ TEST(Gltf, DeformationLeavesRigidMotionOut) {
   }
   const std::vector<double> colours = deformation_of(mesh);
   for (std::size_t v = 0; v < 36; ++v) {
-    if (v != 20) EXPECT_LT(colours[v], 0.2) << v;
+    if (v == 20) continue;
+    EXPECT_LT(colours[v], 0.2) << v;
   }
   EXPECT_EQ(colours[20], 1.0);
 }

@@ -78,11 +78,11 @@ TEST(Pca, ModesAreOrthonormalAndReconstruct) {
 TEST(Pca, StopsAtTheStatedError) {
   const AnimatedMesh mesh = test::smooth_animation(10, 10, 200, 60.0);
   const PcaResult all = pca_of(mesh);
-  const PcaResult some = pca_of(mesh, {.rms_error_mm = 0.05});
+  const PcaResult some = pca_of(mesh, {.rms_error_mm = 0.5});
   ASSERT_GT(some.mode_count(), 0U);
   ASSERT_LT(some.mode_count(), all.mode_count());
-  EXPECT_LE(some.rms_error_mm(some.mode_count()), 0.05);
-  EXPECT_GT(all.rms_error_mm(some.mode_count() - 1), 0.05);
+  EXPECT_LE(some.rms_error_mm(some.mode_count()), 0.5);
+  EXPECT_GT(all.rms_error_mm(some.mode_count() - 1), 0.5);
   // The stated error is the one measured.
   double sum = 0;
   for (std::size_t f = 0; f < 200; ++f) {
