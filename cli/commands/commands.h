@@ -12,6 +12,8 @@ CommandSpec c3d_export_command();
 CommandSpec c3d_info_command();
 CommandSpec convert_command();
 CommandSpec geodesics_command();
+CommandSpec formats_command();
 CommandSpec hash_command();
+CommandSpec info_command();
 
 }  // namespace kinemesh::cli

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "capture/formats/mesh_formats.h"
 #include "capture/session.h"
 #include "cli/commands/commands.h"
 #include "config/input_file.h"
@@ -109,7 +110,7 @@ std::vector<std::string> write_outputs(const State& state, const MarkerSequence&
 }
 
 ExitCode convert(State& state, Terminal& terminal) {
-  const FormatRegistry formats = builtin_mesh_formats();
+  const FormatRegistry formats = all_formats();
   const MarkerSequence session =
       read_session(state.session, state.reading, terminal.run.part(0.0, 0.1, "reading"));
   // A wrong name or format is said before the work is done, not after it.

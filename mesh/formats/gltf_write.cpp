@@ -86,7 +86,7 @@ class GltfWriter {
 
   /// A vector with Y up.
   std::array<float, 3> turned(const float* v) const {
-    if (options_.gltf.up == UpAxis::y) return {v[0], v[1], v[2]};
+    if (options_.gltf.up == GltfUp::y) return {v[0], v[1], v[2]};
     return {v[0], v[2], -v[1]};
   }
 
@@ -242,7 +242,7 @@ class GltfWriter {
   Json description() const {
     Json out{{"frame_count", mesh_.frame_count()},
              {"rate_hz", mesh_.rate_hz},
-             {"up", options_.gltf.up == UpAxis::z ? "z" : "y"},
+             {"up", options_.gltf.up == GltfUp::z ? "z" : "y"},
              {"max_error_mm", animation_.max_error_mm},
              {"rms_error_mm", animation_.rms_error_mm}};
     WriteOptions metres = options_;

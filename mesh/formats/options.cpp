@@ -40,9 +40,9 @@ void GltfOptions::declare(ParameterSet& p) {
             {VertexColour::deformation, "deformation",
              "by how far each vertex moves beyond the rigid motion of all"}},
            "vertex colours of glTF files");
-  p.choice("up", up,
-           {{UpAxis::z, "z", "the data's Z axis points up"},
-            {UpAxis::y, "y", "the data's Y axis points up"}},
+  p.choice("gltf-up", up,
+           {{GltfUp::z, "z", "the data's Z axis points up"},
+            {GltfUp::y, "y", "the data's Y axis points up"}},
            "axis that points up, turned to Y in glTF files");
 }
 

@@ -24,7 +24,7 @@ enum class Encoding { binary, binary_big, ascii };
 enum class VertexColour { none, deformation };
 
 /// Which axis of the data points up. glTF prescribes Y; nothing else asks.
-enum class UpAxis { y, z };
+enum class GltfUp { y, z };
 
 /// Options of glTF and GLB alone.
 struct GltfOptions {
@@ -34,7 +34,7 @@ struct GltfOptions {
   /// When above 0: the smallest file whose every vertex in every frame is closer than this.
   double max_error_mm = 0.0;
   VertexColour colour = VertexColour::none;
-  UpAxis up = UpAxis::z;
+  GltfUp up = GltfUp::z;
 
   void declare(ParameterSet& p);
   void validate() const { validate_options(*this); }

@@ -245,7 +245,7 @@ TEST(Gltf, IsInMetresWithYUp) {
   const Json& position = w.json["accessors"][0];
   EXPECT_NEAR(position["max"][0].get<double>(), 0.030, 1e-6);   // x stays
   EXPECT_NEAR(position["min"][2].get<double>(), -0.030, 1e-6);  // y goes to −z
-  const Written y_up = round_trip(mesh, {.up = UpAxis::y});
+  const Written y_up = round_trip(mesh, {.up = GltfUp::y});
   EXPECT_NEAR(y_up.json["accessors"][0]["max"][1].get<double>(), 0.030, 1e-6);
   EXPECT_LT(largest_distance(mesh, y_up.back), 1e-4);
 }
