@@ -2,8 +2,8 @@
 
 #include "capture/c3d/reader.h"
 #include "capture/c3d/writer.h"
-#include "tests/fuzz/session_targets.h"
 #include "tests/fuzz/mesh_targets.h"
+#include "tests/fuzz/session_targets.h"
 #include "tests/fuzz/target.h"
 #include "tests/support/c3d_takes.h"
 
