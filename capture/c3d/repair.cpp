@@ -137,11 +137,11 @@ C3dWritePlan plan_repair(const C3dReadResult& read) {
   C3dWritePlan plan = plan_c3d(read.take, same);
   const C3dLayout& layout = read.layout;
   if (layout.rotations == 0 || layout.rotations_begin < layout.data_begin) return plan;
-  const std::size_t behind = layout.rotations_begin - layout.data_begin;
+  const std::size_t blocks_behind = (layout.rotations_begin - layout.data_begin) / c3d_block;
   C3dReadResult moved{.take = read.take};
   if (C3dParameter* start = moved.take.parameters.find("ROTATION", "DATA_START");
       start != nullptr && !start->numbers.empty()) {
-    start->numbers[0] = static_cast<double>(plan.header.data_block + behind / c3d_block);
+    start->numbers[0] = static_cast<double>(plan.header.data_block + blocks_behind);
     plan = plan_c3d(moved.take, same);
   }
   return plan;
