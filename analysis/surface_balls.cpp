@@ -1,0 +1,135 @@
+#include "analysis/surface_balls.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+#include "config/parallel.h"
+
+namespace kinemesh {
+namespace {
+
+constexpr double longest_detour = 1.3;
+constexpr std::size_t grain = 256;
+
+/// Shortest paths along edges from one vertex, with a workspace that is kept for the next.
+class BallSearch {
+ public:
+  BallSearch(const Topology& topology, std::span<const Eigen::Vector3d> positions)
+      : topology_(topology),
+        positions_(positions),
+        distance_(topology.vertex_count(), std::numeric_limits<float>::infinity()) {}
+
+  void append(VertexIndex centre, double radius, std::vector<VertexIndex>& items) {
+    const auto limit = static_cast<float>(longest_detour * radius);
+    const double square = radius * radius;
+    offer(centre, 0.0F);
+    while (!queue_.empty()) {
+      std::pop_heap(queue_.begin(), queue_.end(), std::greater<>());
+      const auto [path, v] = queue_.back();
+      queue_.pop_back();
+      if (path > distance_[v]) continue;
+      items.push_back(v);
+      for (const VertexIndex n : topology_.neighbours_of(v)) {
+        const float next = path + static_cast<float>((positions_[n] - positions_[v]).norm());
+        const bool near =
+            next <= limit && (positions_[n] - positions_[centre]).squaredNorm() <= square;
+        if (near || v == centre) offer(n, next);
+      }
+    }
+    for (const VertexIndex v : touched_) distance_[v] = std::numeric_limits<float>::infinity();
+    touched_.clear();
+  }
+
+ private:
+  void offer(VertexIndex v, float path) {
+    if (!(path < distance_[v])) return;
+    if (distance_[v] == std::numeric_limits<float>::infinity()) touched_.push_back(v);
+    distance_[v] = path;
+    queue_.emplace_back(path, v);
+    std::push_heap(queue_.begin(), queue_.end(), std::greater<>());
+  }
+
+  const Topology& topology_;
+  std::span<const Eigen::Vector3d> positions_;
+  std::vector<float> distance_;
+  std::vector<VertexIndex> touched_;
+  std::vector<std::pair<float, VertexIndex>> queue_;
+};
+
+Eigen::Vector3d area_vector(const Triangle& face, std::span<const Eigen::Vector3d> positions) {
+  return 0.5 *
+         (positions[face[1]] - positions[face[0]]).cross(positions[face[2]] - positions[face[0]]);
+}
+
+}  // namespace
+
+VertexLists surface_balls(const Topology& topology, std::span<const Eigen::Vector3d> positions,
+                          double radius_mm, const RunContext& ctx) {
+  const std::size_t count = topology.vertex_count();
+  // Few chunks, so that each search's workspace serves many vertices.
+  const std::size_t chunk = std::max<std::size_t>(grain, (count + 31) / 32);
+  std::vector<std::vector<VertexIndex>> parts((count + chunk - 1) / chunk);
+  VertexLists lists;
+  lists.offsets.assign(count + 1, 0);
+  parallel_chunks(ctx, count, chunk, [&](std::size_t begin, std::size_t end) {
+    BallSearch search(topology, positions);
+    std::vector<VertexIndex>& items = parts[begin / chunk];
+    for (std::size_t v = begin; v < end; ++v) {
+      const std::size_t before = items.size();
+      search.append(static_cast<VertexIndex>(v), radius_mm, items);
+      lists.offsets[v + 1] = items.size() - before;
+    }
+  });
+  std::partial_sum(lists.offsets.begin(), lists.offsets.end(), lists.offsets.begin());
+  lists.items.reserve(lists.offsets.back());
+  for (const auto& part : parts) lists.items.insert(lists.items.end(), part.begin(), part.end());
+  return lists;
+}
+
+std::vector<double> vertex_areas(const Topology& topology,
+                                 std::span<const Eigen::Vector3d> positions) {
+  std::vector<double> areas(topology.vertex_count(), 0.0);
+  for (const Triangle& face : topology.faces()) {
+    const double third = area_vector(face, positions).norm() / 3.0;
+    for (const VertexIndex v : face) areas[v] += third;
+  }
+  return areas;
+}
+
+std::vector<Eigen::Vector3d> vertex_normals(const Topology& topology,
+                                            std::span<const Eigen::Vector3d> positions) {
+  std::vector<Eigen::Vector3d> normals(topology.vertex_count(), Eigen::Vector3d::Zero());
+  for (const Triangle& face : topology.faces()) {
+    const Eigen::Vector3d area = area_vector(face, positions);
+    for (const VertexIndex v : face) normals[v] += area;
+  }
+  for (Eigen::Vector3d& n : normals) {
+    const double length = n.norm();
+    if (length > 0.0) n /= length;
+  }
+  return normals;
+}
+
+double mean_edge_length(const Topology& topology, std::span<const Eigen::Vector3d> positions) {
+  double sum = 0.0;
+  for (const Edge& edge : topology.edges()) {
+    sum += (positions[edge.vertices[1]] - positions[edge.vertices[0]]).norm();
+  }
+  return topology.edge_count() > 0 ? sum / static_cast<double>(topology.edge_count()) : 0.0;
+}
+
+double bounding_diagonal(const Topology& topology, std::span<const Eigen::Vector3d> positions) {
+  if (topology.face_count() == 0) return 0.0;
+  Eigen::Vector3d low = positions[topology.faces()[0][0]], high = low;
+  for (const Triangle& face : topology.faces()) {
+    for (const VertexIndex v : face) {
+      low = low.cwiseMin(positions[v]);
+      high = high.cwiseMax(positions[v]);
+    }
+  }
+  return (high - low).norm();
+}
+
+}  // namespace kinemesh
