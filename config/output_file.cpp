@@ -21,7 +21,7 @@ fs::path folder_of(const fs::path& path) {
 
 std::string remedy_for(int error) {
   switch (error) {
-    case ENOENT: return "Create the folder first, or check its spelling";
+    case ENOENT: return "Check the spelling of the folder";
     case EACCES:
     case EPERM:
     case EROFS: return "Choose a folder in which you may write";
@@ -40,6 +40,31 @@ fs::path temporary_for(const fs::path& path) {
 
 }  // namespace
 
+NewFolders::~NewFolders() {
+  std::error_code ignored;
+  for (; !created_.empty(); created_.pop_back()) {
+    fs::remove(created_.back(), ignored);  // only when empty
+  }
+}
+
+void NewFolders::create(const fs::path& folder) {
+  std::error_code error;
+  if (folder.empty() || fs::is_directory(folder, error)) return;
+  create(folder.parent_path());
+  fs::create_directory(folder, error);
+  if (error) {
+    throw InputError({.what = "cannot create the folder: " + error.message(),
+                      .file = folder.string(),
+                      .remedy = remedy_for(error.value())});
+  }
+  created_.push_back(folder);
+}
+
+void NewFolders::take_over(NewFolders& other) {
+  created_.insert(created_.end(), other.created_.begin(), other.created_.end());
+  other.created_.clear();
+}
+
 OutputFile::OutputFile(fs::path path) : path_(std::move(path)), temporary_(temporary_for(path_)) {
   std::error_code ignored;
   const fs::file_status status = fs::status(path_, ignored);
@@ -49,6 +74,7 @@ OutputFile::OutputFile(fs::path path) : path_(std::move(path)), temporary_(tempo
                       .file = path_.string(),
                       .remedy = "Give the name of a file"});
   }
+  folders_.create(folder_of(path_));
   const int fd = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (fd >= 0) handle_ = ::fdopen(fd, "wb");
   if (handle_ == nullptr) {
@@ -61,7 +87,8 @@ OutputFile::OutputFile(fs::path path) : path_(std::move(path)), temporary_(tempo
 }
 
 OutputFile::OutputFile(OutputFile&& other) noexcept
-    : path_(std::move(other.path_)),
+    : folders_(std::move(other.folders_)),
+      path_(std::move(other.path_)),
       temporary_(std::move(other.temporary_)),
       handle_(std::exchange(other.handle_, nullptr)),
       position_(other.position_),
@@ -103,34 +130,12 @@ void OutputFile::finish() { release_handle(); }
 void OutputFile::publish() {
   if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail("write");
   done_ = true;
+  folders_.keep();
 }
 
 void OutputFile::commit() {
   finish();
   publish();
-}
-
-OutputSet::~OutputSet() {
-  if (committed_) return;
-  files_.clear();
-  std::error_code ignored;
-  while (!created_folders_.empty()) {
-    fs::remove(created_folders_.back(), ignored);  // only when empty
-    created_folders_.pop_back();
-  }
-}
-
-void OutputSet::create_folder(const fs::path& folder) {
-  if (folder.empty() || fs::is_directory(folder)) return;
-  create_folder(folder.parent_path());
-  std::error_code error;
-  fs::create_directory(folder, error);
-  if (error) {
-    throw InputError({.what = "cannot create the folder: " + error.message(),
-                      .file = folder.string(),
-                      .remedy = remedy_for(error.value())});
-  }
-  created_folders_.push_back(folder);
 }
 
 void OutputSet::add(const fs::path& path, std::string_view content) {
@@ -141,12 +146,13 @@ void OutputSet::add(const fs::path& path, std::string_view content) {
 
 void OutputSet::add(OutputFile file) {
   file.finish();
+  folders_.take_over(file.folders_);
   files_.push_back(std::move(file));
 }
 
 void OutputSet::commit() {
   for (OutputFile& file : files_) file.publish();
-  committed_ = true;
+  folders_.keep();
 }
 
 std::vector<fs::path> OutputSet::paths() const {

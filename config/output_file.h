@@ -8,15 +8,35 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace kinemesh {
 
+/// Folders made for outputs: removed again, if they are empty, unless they are kept.
+class NewFolders {
+ public:
+  NewFolders() = default;
+  NewFolders(NewFolders&& other) noexcept : created_(std::move(other.created_)) {
+    other.created_.clear();
+  }
+  NewFolders& operator=(NewFolders&&) = delete;
+  ~NewFolders();
+  /// Creates the folder and its parents where they are missing. Throws InputError.
+  void create(const std::filesystem::path& folder);
+  void take_over(NewFolders& other);
+  void keep() { created_.clear(); }
+
+ private:
+  std::vector<std::filesystem::path> created_;  // parents first
+};
+
 /// One file being written. Destroyed without commit(), it leaves nothing behind.
 class OutputFile {
  public:
-  /// Throws InputError naming the path and the remedy when the folder is missing or not writable,
-  /// or when the path names something that is no regular file.
+  /// Creates the folder if it is missing. Throws InputError naming the path and the remedy when
+  /// that is impossible or the folder is not writable, or when the path names something that is no
+  /// regular file.
   explicit OutputFile(std::filesystem::path path);
   OutputFile(OutputFile&&) noexcept;
   OutputFile& operator=(OutputFile&&) = delete;
@@ -47,6 +67,7 @@ class OutputFile {
   void publish();  // rename
   [[noreturn]] void fail(const std::string& doing);
 
+  NewFolders folders_;
   std::filesystem::path path_;
   std::filesystem::path temporary_;
   std::FILE* handle_ = nullptr;
@@ -61,10 +82,9 @@ class OutputSet {
   OutputSet() = default;
   OutputSet(const OutputSet&) = delete;
   OutputSet& operator=(const OutputSet&) = delete;
-  ~OutputSet();
 
   /// Creates the folder (and its parents) if it is missing.
-  void create_folder(const std::filesystem::path& folder);
+  void create_folder(const std::filesystem::path& folder) { folders_.create(folder); }
   /// Adds a whole file at once and closes it, so that thousands can be pending.
   void add(const std::filesystem::path& path, std::string_view content);
   /// Adds a file that was written piece by piece.
@@ -74,9 +94,8 @@ class OutputSet {
   std::vector<std::filesystem::path> paths() const;
 
  private:
+  NewFolders folders_;  // outlives the files in it
   std::vector<OutputFile> files_;
-  std::vector<std::filesystem::path> created_folders_;
-  bool committed_ = false;
 };
 
 /// Writes a whole file atomically.

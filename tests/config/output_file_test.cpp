@@ -57,14 +57,25 @@ TEST(OutputFile, AFullDiskIsNamedAndLeavesNothing) {
   EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
-TEST(OutputFile, MissingFolderAndFolderAsFileAreRefused) {
+TEST(OutputFile, MissingFoldersAreMadeAndGoWithAFileThatIsNotFinished) {
   const TemporaryFolder folder;
+  { const OutputFile unfinished(folder.path() / "new" / "deep" / "a.txt"); }
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+  write_file(folder.path() / "new" / "deep" / "a.txt", "1");
+  EXPECT_EQ(read_file(folder.path() / "new" / "deep" / "a.txt"), "1");
+}
+
+TEST(OutputFile, FilesAsFoldersAndFoldersAsFilesAreRefused) {
+  const TemporaryFolder folder;
+  write_file(folder.path() / "file", "1");
   try {
-    OutputFile file(folder.path() / "missing" / "a.txt");
+    OutputFile file(folder.path() / "file" / "a.txt");
     FAIL();
   } catch (const InputError& e) {
-    EXPECT_NE(std::string(e.what()).find("Create the folder first"), std::string::npos);
+    EXPECT_NE(std::string(e.what()).find("file: cannot create the folder"), std::string::npos)
+        << e.what();
   }
+  EXPECT_EQ(read_file(folder.path() / "file"), "1");
   EXPECT_THROW(OutputFile file(folder.path()), InputError);
   EXPECT_THROW(OutputFile file("/dev/null"), InputError);
 }
