@@ -75,44 +75,28 @@ void ring_levels(Detector& d) {
       sum += variance[r];
       next[r] = variance[r] + s.filter.step[r];
       for (uint32_t i = s.filter.offsets[r]; i < s.filter.offsets[r + 1]; ++i) {
-        next[r] += s.filter.rates[i] * (variance[s.filter.items[i]] - variance[r]);
+        next[r] += s.filter.weights[i] * (variance[s.filter.items[i]] - variance[r]);
       }
     }
     s.variances.push_back(sum / static_cast<double>(std::max<std::size_t>(rows, 1)));
-    s.steps.push_back({k == 0 ? 0 : 1, s.filter.rates});
+    s.steps.push_back({k == 0 ? 0 : 1});
     std::swap(variance, next);
   }
 }
 
-/// Levels of the cotangent diffusion: variance 2 t after time t. Explicit steps, so short that
-/// nine tenths of the vertices follow exactly; the others are limited, which only spreads them to
-/// their neighbours at once.
+/// Levels of the cotangent diffusion: variance 2 t after time t, in two implicit steps a level.
 void cotangent_levels(Detector& d) {
+  constexpr int passes = 2;
   SpatialLevels& s = d.space;
-  s.filter = cotangent_filter(d.animation.topology(), d.order, d.rest.rest);
-  std::vector<float> rates = s.filter.sum_of_rates;
-  const auto ninth = rates.begin() + static_cast<std::ptrdiff_t>(rates.size() * 9 / 10);
-  std::nth_element(rates.begin(), ninth, rates.end());
-  const double longest = ninth != rates.end() && *ninth > 0.0F ? 0.8 / *ninth : 0.0;
+  s.filter = ring_filter(d.animation.topology(), d.order, d.rest.rest);  // for its lists
+  diffusion::Operator diffusion(d.animation.topology(), d.rest.rest, d.order.row_of);
   double reached = 0.0;
   for (int k = 0; k <= d.options.sigma_levels; ++k) {
     const double sigma = d.options.sigma * d.rest.root_area_mm * std::pow(d.options.step, k);
     const double time = 0.5 * (sigma * sigma - reached);
     reached = sigma * sigma;
-    scale_space::LevelStep step;
-    step.passes =
-        longest > 0.0 ? static_cast<int>(std::clamp(std::ceil(time / longest), 1.0, 1e5)) : 0;
-    const double each = step.passes > 0 ? time / step.passes : 0.0;
-    step.weights = s.filter.rates;
-    for (std::size_t r = 0; r < d.order.order.size(); ++r) {
-      const double total = s.filter.sum_of_rates[r] * each;
-      const auto scale = static_cast<float>(total > 0.9 ? 0.9 / s.filter.sum_of_rates[r] : each);
-      for (uint32_t i = s.filter.offsets[r]; i < s.filter.offsets[r + 1]; ++i) {
-        step.weights[i] *= scale;
-      }
-    }
     s.variances.push_back(reached);
-    s.steps.push_back(std::move(step));
+    s.steps.push_back({passes, diffusion.factor(time / passes)});
   }
 }
 

@@ -35,7 +35,7 @@ KINEMESH_MULTIVERSION void smooth_rows(const float* in, float* out, std::size_t 
   }
 }
 
-/// Neighbour lists in row numbers; rates unset.
+/// Neighbour lists in row numbers; weights unset.
 SurfaceFilter lists_of(const Topology& topology, const RowOrder& order) {
   SurfaceFilter filter;
   filter.offsets.push_back(0);
@@ -43,17 +43,8 @@ SurfaceFilter lists_of(const Topology& topology, const RowOrder& order) {
     for (const VertexIndex n : topology.neighbours_of(v)) filter.items.push_back(order.row_of[n]);
     filter.offsets.push_back(static_cast<uint32_t>(filter.items.size()));
   }
-  filter.rates.assign(filter.items.size(), 0.0F);
-  filter.sum_of_rates.assign(order.order.size(), 0.0F);
+  filter.weights.assign(filter.items.size(), 0.0F);
   return filter;
-}
-
-void add_rate(SurfaceFilter& filter, const RowOrder& order, VertexIndex from, VertexIndex to,
-              double rate) {
-  const uint32_t row = order.row_of[from], other = order.row_of[to];
-  for (uint32_t i = filter.offsets[row]; i < filter.offsets[row + 1]; ++i) {
-    if (filter.items[i] == other) filter.rates[i] += static_cast<float>(rate);
-  }
 }
 
 }  // namespace
@@ -87,39 +78,8 @@ SurfaceFilter ring_filter(const Topology& topology, const RowOrder& order,
     const float rate = 1.0F / static_cast<float>(ring.size() + 1);
     double sum = 0.0;
     for (const VertexIndex n : ring) sum += (rest[n] - rest[order.order[r]]).squaredNorm();
-    for (uint32_t i = filter.offsets[r]; i < filter.offsets[r + 1]; ++i) filter.rates[i] = rate;
-    filter.sum_of_rates[r] = rate * static_cast<float>(ring.size());
+    for (uint32_t i = filter.offsets[r]; i < filter.offsets[r + 1]; ++i) filter.weights[i] = rate;
     filter.step[r] = 0.5F * rate * static_cast<float>(sum);  // two axes share the squared length
-  }
-  return filter;
-}
-
-SurfaceFilter cotangent_filter(const Topology& topology, const RowOrder& order,
-                               std::span<const Eigen::Vector3d> rest) {
-  SurfaceFilter filter = lists_of(topology, order);
-  const std::vector<double> areas = vertex_areas(topology, rest);
-  const double total = [&] {
-    double sum = 0.0;
-    for (const double a : areas) sum += a;
-    return sum;
-  }();
-  // Slivers: no vertex counts as less than a hundredth of the mean.
-  const double least = 0.01 * total / static_cast<double>(std::max<std::size_t>(areas.size(), 1));
-  for (const Triangle& face : topology.faces()) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      const VertexIndex a = face[(c + 1) % 3], b = face[(c + 2) % 3];
-      const Eigen::Vector3d u = rest[a] - rest[face[c]], v = rest[b] - rest[face[c]];
-      const double area = u.cross(v).norm();
-      const double cotangent = area > 0.0 ? std::clamp(u.dot(v) / area, -10.0, 10.0) : 0.0;
-      add_rate(filter, order, a, b, 0.5 * cotangent / std::max(areas[a], least));
-      add_rate(filter, order, b, a, 0.5 * cotangent / std::max(areas[b], least));
-    }
-  }
-  for (std::size_t r = 0; r < order.order.size(); ++r) {
-    for (uint32_t i = filter.offsets[r]; i < filter.offsets[r + 1]; ++i) {
-      filter.rates[i] = std::max(filter.rates[i], 0.0F);  // else new maxima could appear
-      filter.sum_of_rates[r] += filter.rates[i];
-    }
   }
   return filter;
 }
@@ -144,8 +104,12 @@ FrameBlock::FrameBlock(const VertexCurves& scalar, const RowOrder& order, std::s
 
 void FrameBlock::smooth(const SurfaceFilter& filter, const LevelStep& step) {
   for (int pass = 0; pass < step.passes; ++pass) {
+    if (step.factor) {
+      step.factor->step(current_.data(), next_.data(), stride_);
+      continue;
+    }
     smooth_rows(current_.data(), next_.data(), stride_, filter.offsets.data(), filter.items.data(),
-                step.weights.data(), rows_);
+                filter.weights.data(), rows_);
     std::swap(current_, next_);
   }
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "analysis/anim_dog.h"
+#include "analysis/diffusion.h"
 #include "config/buffer.h"
 
 namespace kinemesh::scale_space {
@@ -18,23 +19,20 @@ struct RowOrder {
 };
 RowOrder breadth_first(const Topology& topology);
 
-/// out[r] = in[r] + Σ weights · (in[items] − in[r]), by rows.
+/// The rows around each row, and the ring average over them: out[r] = in[r] + Σ weights ·
+/// (in[items] − in[r]).
 struct SurfaceFilter {
   std::vector<uint32_t> offsets;
   std::vector<uint32_t> items;
-  std::vector<float> rates;         ///< per item: of diffusion in 1/mm², or 1 / (ring + 1)
-  std::vector<float> sum_of_rates;  ///< per row
-  std::vector<float> step;  ///< per row: mean squared step per axis of one ring average, mm²
+  std::vector<float> weights;  ///< per item: 1 / (ring + 1)
+  std::vector<float> step;     ///< per row: mean squared step per axis of one average, mm²
 };
 SurfaceFilter ring_filter(const Topology& topology, const RowOrder& order,
                           std::span<const Eigen::Vector3d> rest);
-SurfaceFilter cotangent_filter(const Topology& topology, const RowOrder& order,
-                               std::span<const Eigen::Vector3d> rest);
-
-/// Passes from one level to the next, all with the same weights.
+/// From one level to the next: ring averages, or implicit diffusion where there is a factor.
 struct LevelStep {
   int passes = 1;
-  std::vector<float> weights;  ///< per item of the filter
+  std::shared_ptr<const diffusion::Factor> factor{};
 };
 
 /// The spatial levels: σ of each, and how to get from one to the next.
