@@ -23,10 +23,25 @@ std::string join(const std::vector<std::string>& words, std::string_view separat
   return join(words, separator, separator);
 }
 
+namespace {
+
+template <class T>
+void append_chars(std::string& out, T value) {
+  char text[32];
+  const auto [end, error] = std::to_chars(text, text + sizeof text, value);
+  out.append(text, error == std::errc() ? end : text);
+}
+
+}  // namespace
+
+void append_number(std::string& out, float value) { append_chars(out, value); }
+void append_number(std::string& out, double value) { append_chars(out, value); }
+void append_number(std::string& out, int64_t value) { append_chars(out, value); }
+
 std::string format_number(double value) {
-  std::array<char, 40> text{};
-  const auto result = std::to_chars(text.data(), text.data() + text.size(), value);
-  return {text.data(), result.ptr};
+  std::string text;
+  append_number(text, value);
+  return text;
 }
 
 std::string format_fixed(double value, int decimals) {

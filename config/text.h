@@ -1,6 +1,7 @@
 // Small text helpers that several modules need.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,6 +15,13 @@ std::string join(const std::vector<std::string>& words, std::string_view separat
 
 /// The shortest decimal text that reads back as the same double, independent of the locale.
 std::string format_number(double value);
+/// Appends the shortest decimal text that reads back as the same value.
+void append_number(std::string& out, float value);
+void append_number(std::string& out, double value);
+void append_number(std::string& out, int64_t value);
+inline void append_number(std::string& out, uint32_t value) {
+  append_number(out, static_cast<int64_t>(value));
+}
 /// With a fixed number of decimals, independent of the locale.
 std::string format_fixed(double value, int decimals);
 /// "1 marker", "3 markers".

@@ -1,8 +1,6 @@
 #include "capture/c3d/layout_resolver.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <tuple>
 
@@ -103,9 +101,9 @@ std::optional<double> usable_scale(std::optional<double> scale) {
 
 /// The shortest decimal text of a stored 32-bit real.
 std::string real_text(double value) {
-  std::array<char, 64> text{};
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), static_cast<float>(value));
-  return {text.data(), end.ptr};
+  std::string text;
+  append_number(text, static_cast<float>(value));
+  return text;
 }
 
 Candidates<double> scales(const C3dHead& head, std::vector<C3dFinding>& findings) {

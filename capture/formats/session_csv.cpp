@@ -1,8 +1,6 @@
 #include "capture/formats/session_csv.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <map>
 
 #include "config/error.h"
@@ -91,16 +89,11 @@ class Writer {
     file_.write(row_ += '\n');
   }
 
-  void add(float value) {
-    const auto end = std::to_chars(number_.data(), number_.data() + number_.size(), value);
-    row_ += ',';
-    row_.append(number_.data(), end.ptr);
-  }
+  void add(float value) { append_number(row_ += ',', value); }
 
   const MarkerSequence& take_;
   OutputFile& file_;
   std::string row_;
-  std::array<char, 64> number_{};
 };
 
 struct Comments {

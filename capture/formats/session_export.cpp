@@ -1,7 +1,5 @@
 #include "capture/formats/session_export.h"
 
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -41,13 +39,12 @@ std::size_t analog_sample_count(const MarkerSequence& take) {
 }
 
 /// Appends the shortest text that reads back the same; `otherwise` for no finite number.
-void append_number(std::string& out, float value, std::string_view otherwise) {
+void append_finite(std::string& out, float value, std::string_view otherwise) {
   if (!std::isfinite(value)) {
     out += otherwise;
     return;
   }
-  std::array<char, 64> text{};
-  out.append(text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr);
+  append_number(out, value);
 }
 
 void write_analog_csv(const MarkerSequence& take, OutputFile& file, const RunContext& ctx) {
@@ -62,7 +59,7 @@ void write_analog_csv(const MarkerSequence& take, OutputFile& file, const RunCon
     row = format_number(time_of_sample(take, s));
     for (std::size_t c = 0; c < channels; ++c) {
       row += ',';
-      append_number(row, take.analog.values[s * channels + c], "");
+      append_finite(row, take.analog.values[s * channels + c], "");
     }
     file.write(row += '\n');
   }
@@ -148,7 +145,7 @@ void write_json(const MarkerSequence& take, OutputFile& file, const RunContext& 
       text += m == 0 ? "[" : ",[";
       for (int k = 0; k < 3; ++k) {
         if (k > 0) text += ',';
-        append_number(text, take.valid(f, m) ? take.position(f, m)[k] : NAN, "null");
+        append_finite(text, take.valid(f, m) ? take.position(f, m)[k] : NAN, "null");
       }
       text += ']';
     }
@@ -167,7 +164,7 @@ void write_json(const MarkerSequence& take, OutputFile& file, const RunContext& 
     text += '[';
     for (std::size_t m = 0; m < markers; ++m) {
       if (m > 0) text += ',';
-      append_number(text, take.valid(f, m) ? take.residuals()[take.sample(f, m)] : NAN, "null");
+      append_finite(text, take.valid(f, m) ? take.residuals()[take.sample(f, m)] : NAN, "null");
     }
     text += ']';
   });
@@ -185,7 +182,7 @@ void write_json(const MarkerSequence& take, OutputFile& file, const RunContext& 
     text += '[';
     for (std::size_t c = 0; c < channels; ++c) {
       if (c > 0) text += ',';
-      append_number(text, take.analog.values[s * channels + c], "null");
+      append_finite(text, take.analog.values[s * channels + c], "null");
     }
     text += ']';
   });

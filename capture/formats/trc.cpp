@@ -1,7 +1,6 @@
 #include "capture/formats/trc.h"
 
 #include <algorithm>
-#include <charconv>
 #include <map>
 
 #include "config/error.h"
@@ -141,14 +140,19 @@ MarkerSequence read_trc(const TableText& text, const TableReadOptions& options,
 
 void write_trc(const MarkerSequence& take, const std::filesystem::path& path,
                const RunContext& ctx) {
+  OutputFile file(path);
+  write_trc(take, file, ctx);
+  file.commit();
+}
+
+void write_trc(const MarkerSequence& take, OutputFile& file, const RunContext& ctx) {
   std::vector<std::size_t> points;
   for (std::size_t m = 0; m < take.marker_count(); ++m) {
     if (take.markers()[m].kind <= MarkerKind::virtual_point) points.push_back(m);
   }
   const std::string rate = format_number(take.rate_hz);
   const std::string frames = std::to_string(take.frame_count());
-  OutputFile file(path);
-  file.write("PathFileType\t4\t(X/Y/Z)\t" + path.filename().string() + "\n");
+  file.write("PathFileType\t4\t(X/Y/Z)\t" + file.path().filename().string() + "\n");
   file.write(
       "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\t"
       "OrigNumFrames\n");
@@ -166,7 +170,6 @@ void write_trc(const MarkerSequence& take, const std::filesystem::path& path,
       axes += std::string("\t") + axis + std::to_string(k + 1);
   }
   file.write(labels + "\n" + axes + "\n\n");
-  std::array<char, 64> number{};
   std::string row;
   for (std::size_t f = 0; f < take.frame_count(); ++f) {
     if (f % 1024 == 0) ctx.check_cancelled();
@@ -176,16 +179,12 @@ void write_trc(const MarkerSequence& take, const std::filesystem::path& path,
       const bool valid = take.valid(f, m);
       for (int k = 0; k < 3; ++k) {
         row += '\t';
-        if (!valid) continue;
-        const auto end =
-            std::to_chars(number.data(), number.data() + number.size(), take.position(f, m)[k]);
-        row.append(number.data(), end.ptr);
+        if (valid) append_number(row, take.position(f, m)[k]);
       }
     }
     row += '\n';
     file.write(row);
   }
-  file.commit();
 }
 
 }  // namespace kinemesh

@@ -6,6 +6,7 @@
 
 #include "capture/formats/frame_table.h"
 #include "capture/marker_sequence.h"
+#include "config/output_file.h"
 #include "config/run_context.h"
 
 namespace kinemesh {
@@ -21,5 +22,7 @@ MarkerSequence read_trc(const TableText& text, const TableReadOptions& options =
 /// are left out.
 void write_trc(const MarkerSequence& take, const std::filesystem::path& path,
                const RunContext& ctx = {});
+/// The same; the file is not committed.
+void write_trc(const MarkerSequence& take, OutputFile& file, const RunContext& ctx = {});
 
 }  // namespace kinemesh

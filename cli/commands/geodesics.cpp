@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "capture/formats/mesh_formats.h"
 #include "cli/commands/commands.h"
 #include "config/output_file.h"
 #include "config/text.h"
@@ -119,7 +120,7 @@ std::string in_words(const nlohmann::ordered_json& s) {
 }
 
 ExitCode run_geodesics(const Arguments& args, Terminal& terminal) {
-  const Mesh mesh = read_mesh(builtin_mesh_formats(), args.mesh, args.read, terminal.run);
+  const Mesh mesh = read_mesh(all_formats(), args.mesh, args.read, terminal.run);
   if (mesh.topology->face_count() == 0) {
     throw NoResultError({.what = "the mesh has no faces to measure on", .file = args.mesh});
   }

@@ -9,7 +9,11 @@
   FORMAT(obj)                         \
   FORMAT(off)                         \
   FORMAT(vtp)                         \
-  FORMAT(pvd)
+  FORMAT(pvd)                         \
+  FORMAT(stl)                         \
+  FORMAT(npz)                         \
+  FORMAT(glb)                         \
+  FORMAT(gltf)
 
 namespace kinemesh {
 

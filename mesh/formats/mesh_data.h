@@ -34,8 +34,9 @@ struct MeshData {
   std::vector<Event> events;
   std::vector<std::string> vertex_names;  ///< empty, or one per vertex
   Provenance provenance;
-  std::size_t polygons = 0;       ///< faces of more than three corners, triangulated
-  std::size_t dropped_faces = 0;  ///< faces that repeat a vertex, left out
+  std::vector<std::string> warnings;  ///< what the reader had to leave out
+  std::size_t polygons = 0;           ///< faces of more than three corners, triangulated
+  std::size_t dropped_faces = 0;      ///< faces that repeat a vertex, left out
 
   /// Allocates positions, uninitialised.
   void allocate(std::size_t frames, std::size_t vertices);

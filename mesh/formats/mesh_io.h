@@ -11,6 +11,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,18 @@ namespace kinemesh {
 /// line or byte, and reason; and for a numbered sequence whose frames differ in topology.
 AnimatedMesh read_animation(const FormatRegistry& formats, const std::filesystem::path& path,
                             const ReadOptions& options = {}, const RunContext& ctx = {});
+
+/// What the files said, beside the mesh.
+struct AnimationFile {
+  AnimatedMesh mesh;
+  std::string format;                        ///< name in the registry
+  std::vector<std::filesystem::path> files;  ///< those read; the numbered ones of a sequence
+  std::optional<LengthUnit> unit;            ///< empty when the file does not say
+};
+
+/// As read_animation, and where it came from.
+AnimationFile read_animation_file(const FormatRegistry& formats, const std::filesystem::path& path,
+                                  const ReadOptions& options = {}, const RunContext& ctx = {});
 
 /// As read_animation; every frame may have its own connectivity. Equal ones are shared.
 MeshSequence read_mesh_sequence(const FormatRegistry& formats, const std::filesystem::path& path,

@@ -115,15 +115,25 @@ MeshData load_sequence(const Input& input, const ReadOptions& options, const Run
 
 }  // namespace
 
-AnimatedMesh read_animation(const FormatRegistry& formats, const fs::path& path,
-                            const ReadOptions& options, const RunContext& ctx) {
+AnimationFile read_animation_file(const FormatRegistry& formats, const fs::path& path,
+                                  const ReadOptions& options, const RunContext& ctx) {
   options.validate();
   const Input input = resolve(formats, path);
   const fs::path& first = input.files[0].path;
   MeshData data = input.numbered ? load_sequence(input, options, ctx)
                                  : load(*input.format, first, options, ctx);
-  return naming(first,
-                [&] { return to_animated_mesh(std::move(data), options, first.string(), ctx); });
+  AnimationFile file;
+  file.format = input.format->name;
+  file.unit = data.unit;
+  for (const NumberedFile& f : input.files) file.files.push_back(f.path);
+  file.mesh = naming(
+      first, [&] { return to_animated_mesh(std::move(data), options, first.string(), ctx); });
+  return file;
+}
+
+AnimatedMesh read_animation(const FormatRegistry& formats, const fs::path& path,
+                            const ReadOptions& options, const RunContext& ctx) {
+  return read_animation_file(formats, path, options, ctx).mesh;
 }
 
 MeshSequence read_mesh_sequence(const FormatRegistry& formats, const fs::path& path,

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <limits>
 #include <optional>
+#include <set>
 
 #include "config/error.h"
 #include "config/parallel.h"
@@ -161,22 +162,16 @@ void add_numbered(const fs::path& pattern, std::size_t count, int64_t first, int
   }
 }
 
-/// Older files of the same pattern would be read together with the new ones. Serves before the new
-/// ones are renamed as well as after.
+/// Older files of the same pattern would be read together with the new ones.
 void note_older_files(const fs::path& pattern, WriteResult& result) {
   const fs::path any = is_number_pattern(pattern)
                            ? pattern
                            : pattern.parent_path() /
                                  (pattern.stem().string() + "_####" + pattern.extension().string());
-  std::vector<NumberedFile> present;
-  try {
-    present = files_of_pattern(any);
-  } catch (const InputError&) {
-    return;  // there are none
-  }
-  const auto older = std::ranges::count_if(present, [&](const NumberedFile& file) {
-    return std::ranges::find(result.files, file.path) == result.files.end();
-  });
+  const std::set<fs::path> written(result.files.begin(), result.files.end());
+  const std::vector<NumberedFile> present = matching_files(any);
+  const auto older = std::ranges::count_if(
+      present, [&written](const NumberedFile& file) { return !written.contains(file.path); });
   if (older == 0) return;
   result.report.notes.push_back(count_of(static_cast<std::size_t>(older), "older file") +
                                 " matching " + any.string() +

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
-#include "mesh/formats/text_scanner.h"
+#include "config/text.h"
 
 namespace kinemesh {
 namespace {

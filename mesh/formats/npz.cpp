@@ -357,16 +357,19 @@ std::string NpzWriter::bytes() const {
 void NpzWriter::write(const std::filesystem::path& path) const { write_file(path, bytes()); }
 
 NpzFile read_npz(const std::filesystem::path& path) {
-  const std::string content = read_file(path);
+  return parse_npz(read_file(path), path.string());
+}
+
+NpzFile parse_npz(std::string_view content, const std::string& archive) {
   NpzFile file;
   if (content.starts_with(npy_magic)) {
-    file.emplace("array", NpyParser(content, "array", path.string()).parse());
+    file.emplace("array", NpyParser(content, "array", archive).parse());
     return file;
   }
-  for (const ZipMember& member : zip_members(content, path.string())) {
+  for (const ZipMember& member : zip_members(content, archive)) {
     std::string name = member.name;
     if (name.ends_with(".npy")) name.resize(name.size() - 4);
-    file.emplace(name, NpyParser(member.content, name, path.string()).parse());
+    file.emplace(name, NpyParser(member.content, name, archive).parse());
   }
   return file;
 }

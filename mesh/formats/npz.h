@@ -77,6 +77,9 @@ using NpzFile = std::map<std::string, NpyArray, std::less<>>;
 /// in C order, little-endian). Throws InputError naming file, array and reason for anything else.
 NpzFile read_npz(const std::filesystem::path& path);
 
+/// As above from the file's content; `name` is for errors.
+NpzFile parse_npz(std::string_view content, const std::string& name);
+
 /// The array of that name. Throws InputError naming it when it is missing.
 const NpyArray& npz_array(const NpzFile& file, std::string_view name);
 

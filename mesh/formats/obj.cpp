@@ -7,6 +7,7 @@
 #include "mesh/formats/faces.h"
 #include "mesh/formats/metadata.h"
 #include "mesh/formats/registry.h"
+#include "mesh/formats/text_mesh.h"
 #include "mesh/formats/text_scanner.h"
 
 namespace kinemesh {
@@ -27,7 +28,7 @@ class ObjReader {
         case 'v': read_vertex(); break;
         case 'f': read_face(); break;
         case '#': metadata_.read(comment()); break;
-        default: check_keyword();
+        default: skip_statement();
       }
     }
     const std::size_t vertices = positions_.size() / 3;
@@ -58,7 +59,7 @@ class ObjReader {
   }
 
   void read_face() {
-    if (scan_.word() != "f") return check_keyword();
+    if (scan_.word() != "f") return;
     corners_.clear();
     for (;;) {
       if (scan_.at_line_end()) break;
@@ -97,13 +98,12 @@ class ObjReader {
   }
 
   /// OBJ has many statements that say nothing about the mesh; what is no word is no OBJ.
-  void check_keyword() {
+  void skip_statement() {
     const char c = scan_.peek();
-    const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-    if (!letter && c != ' ' && c != '\t' && c != '\n' && c != 0 && c != '#' && c != '\r') {
+    if (!(c >= 'a' && c <= 'z') && !(c >= 'A' && c <= 'Z')) {
       scan_.fail("the line does not begin with a word of OBJ");
     }
-    if (const auto line = scan_.rest_of_line(); line.ends_with('\\')) scan_.next_line();
+    while (scan_.rest_of_line().ends_with('\\') && !scan_.at_end()) scan_.next_line();
   }
 
   TextScanner scan_;
@@ -123,39 +123,18 @@ MeshData decode_obj(std::span<const std::byte> bytes, const std::string& name) {
 
 std::string encode_obj(const AnimatedMesh& mesh, std::size_t frame, const WriteOptions& options) {
   std::string out;
-  out.reserve(mesh.vertex_count() * 40 + mesh.topology().face_count() * 24);
-  for (const std::string& line :
-       metadata_lines(mesh, frame, options, {.description = frame == 0, .filled_runs = false})) {
-    out += "# " + line + "\n";
-  }
-  const float* p = mesh.frame(frame).data();
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v, p += 3) {
-    append_number(out += "v ", p[0]);
-    append_number(out += ' ', p[1]);
-    append_number(out += ' ', p[2]);
-    out += '\n';
-  }
-  for (const Triangle& t : mesh.topology().faces()) {
-    out += 'f';
-    for (const VertexIndex v : t) append_number(out += ' ', v + 1);
-    out += '\n';
-  }
+  append_comments(
+      out, "# ",
+      metadata_lines(mesh, frame, options, {.description = frame == 0, .filled_runs = false}));
+  append_positions(out, mesh, frame, "v ");
+  append_faces(out, mesh.topology(), "f", 1);
   return out;
 }
 
 Format obj_format();
 Format obj_format() {
-  Format format;
-  format.name = "obj";
-  format.extensions = {".obj"};
-  format.description = "Wavefront OBJ; numbered for animations";
-  format.keeps = {.names = true,
-                  .unit = true,
-                  .rate = true,
-                  .first_frame = true,
-                  .events = true,
-                  .provenance = true};
-  format.exactness = "every float, as decimal text";
+  Format format = make_format("obj", ".obj", "Wavefront OBJ; numbered for animations",
+                              Keeps::description(), "every float, as decimal text");
   format.single_frame = true;
   format.decode = decode_obj;
   format.encode = encode_obj;

@@ -5,6 +5,7 @@
 #include "mesh/formats/faces.h"
 #include "mesh/formats/metadata.h"
 #include "mesh/formats/registry.h"
+#include "mesh/formats/text_mesh.h"
 #include "mesh/formats/text_scanner.h"
 
 namespace kinemesh {
@@ -123,41 +124,20 @@ MeshData decode_off(std::span<const std::byte> bytes, const std::string& name) {
 
 std::string encode_off(const AnimatedMesh& mesh, std::size_t frame, const WriteOptions& options) {
   std::string out = "OFF\n";
-  out.reserve(mesh.vertex_count() * 40 + mesh.topology().face_count() * 24);
-  for (const std::string& line :
-       metadata_lines(mesh, frame, options, {.description = frame == 0, .filled_runs = false})) {
-    out += "# " + line + "\n";
-  }
+  append_comments(
+      out, "# ",
+      metadata_lines(mesh, frame, options, {.description = frame == 0, .filled_runs = false}));
   out += std::to_string(mesh.vertex_count()) + " " + std::to_string(mesh.topology().face_count()) +
          " 0\n";
-  const float* p = mesh.frame(frame).data();
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v, p += 3) {
-    append_number(out, p[0]);
-    append_number(out += ' ', p[1]);
-    append_number(out += ' ', p[2]);
-    out += '\n';
-  }
-  for (const Triangle& t : mesh.topology().faces()) {
-    out += '3';
-    for (const VertexIndex v : t) append_number(out += ' ', v);
-    out += '\n';
-  }
+  append_positions(out, mesh, frame);
+  append_faces(out, mesh.topology(), "3");
   return out;
 }
 
 Format off_format();
 Format off_format() {
-  Format format;
-  format.name = "off";
-  format.extensions = {".off"};
-  format.description = "OFF of Geomview; numbered for animations";
-  format.keeps = {.names = true,
-                  .unit = true,
-                  .rate = true,
-                  .first_frame = true,
-                  .events = true,
-                  .provenance = true};
-  format.exactness = "every float, as decimal text";
+  Format format = make_format("off", ".off", "OFF of Geomview; numbered for animations",
+                              Keeps::description(), "every float, as decimal text");
   format.single_frame = true;
   format.decode = decode_off;
   format.encode = encode_off;

@@ -19,32 +19,31 @@ void ReadOptions::declare(ParameterSet& p) {
             .min = 0,
             .max = 1e6,
             .help = "frames per second of input files that do not say; 0 leaves it unknown"});
-  p.number("merge-distance", merge_distance_mm,
-           {.unit = "mm",
-            .min = 0,
-            .max = 1000,
-            .help = "corners of STL triangles this close become one vertex; 0 merges equal ones"});
 }
 
 void GltfOptions::declare(ParameterSet& p) {
   p.group("gltf", "glTF and GLB");
   p.number("budget", budget_mb,
            {.unit = "MB",
-            .min = 0,
+            .min = 0.01,
             .max = 4000,
-            .help = "size of a glTF file; 0 takes 6 MB for 5,000 vertices × 60 s × 120 Hz and in "
-                    "proportion, at least 1 MB"});
+            .help = "largest size of a glTF animation; its modes and key rate are chosen for the "
+                    "least error within it"});
   p.number("max-error", max_error_mm,
            {.unit = "mm",
             .min = 0,
             .max = 1000,
-            .help = "largest error of any vertex in a glTF animation, instead of a size; 0 goes by "
-                    "size"});
+            .help = "largest error of any vertex in a glTF animation, instead of a size: gives the "
+                    "smallest file that keeps it; 0 goes by size"});
   p.choice("colour", colour,
            {{VertexColour::none, "none", "no vertex colours"},
             {VertexColour::deformation, "deformation",
-             "colour each vertex by how far it moves beyond the head's rigid motion"}},
+             "by how far each vertex moves beyond the rigid motion of all"}},
            "vertex colours of glTF files");
+  p.choice("gltf-up", up,
+           {{GltfUp::z, "z", "the data's Z axis points up"},
+            {GltfUp::y, "y", "the data's Y axis points up"}},
+           "axis that points up, turned to Y in glTF files");
 }
 
 void WriteOptions::declare(ParameterSet& p) {

@@ -15,8 +15,6 @@ struct ReadOptions {
   LengthUnit unit = LengthUnit::mm;
   /// Frames per second of files that do not say; 0 leaves the rate unknown.
   double rate_hz = 0.0;
-  /// Vertices of STL files at the same position become one. Exact equality when 0.
-  double merge_distance_mm = 0.0;
 
   void declare(ParameterSet& p);
   void validate() const { validate_options(*this); }
@@ -25,14 +23,18 @@ struct ReadOptions {
 enum class Encoding { binary, binary_big, ascii };
 enum class VertexColour { none, deformation };
 
+/// Which axis of the data points up. glTF prescribes Y; nothing else asks.
+enum class GltfUp { y, z };
+
 /// Options of glTF and GLB alone.
 struct GltfOptions {
-  /// Size of the animation file, MB = 10⁶ bytes; 0 takes 6 MB per 5,000 vertices × 60 s × 120 Hz,
-  /// and never less than 1 MB.
-  double budget_mb = 0.0;
-  /// Largest error of any vertex in any frame; when above 0, the smallest file that keeps it.
+  /// Largest size of all files together, MB = 10⁶ bytes. Modes and key rate are chosen for the
+  /// least RMS error within it, and the file stays smaller when 0.001 mm is reached before.
+  double budget_mb = 6.0;
+  /// When above 0: the smallest file whose every vertex in every frame is closer than this.
   double max_error_mm = 0.0;
   VertexColour colour = VertexColour::none;
+  GltfUp up = GltfUp::z;
 
   void declare(ParameterSet& p);
   void validate() const { validate_options(*this); }

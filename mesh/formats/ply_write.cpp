@@ -1,7 +1,8 @@
+#include "config/text.h"
 #include "mesh/formats/bytes.h"
 #include "mesh/formats/ply.h"
 #include "mesh/formats/registry.h"
-#include "mesh/formats/text_scanner.h"
+#include "mesh/formats/text_mesh.h"
 
 namespace kinemesh {
 namespace {
@@ -13,9 +14,7 @@ std::string header_of(const AnimatedMesh& mesh, std::size_t frame, const WriteOp
          : options.encoding == Encoding::binary_big ? "binary_big_endian"
                                                     : "binary_little_endian";
   out += " 1.0\n";
-  for (const std::string& line : metadata_lines(mesh, frame, options, comments)) {
-    out += "comment " + line + "\n";
-  }
+  append_comments(out, "comment ", metadata_lines(mesh, frame, options, comments));
   out += "element vertex " + std::to_string(mesh.vertex_count()) +
          "\nproperty float x\nproperty float y\nproperty float z\n";
   if (!mesh.filled().empty()) out += "property uchar filled\n";
@@ -29,19 +28,13 @@ void append_text(const AnimatedMesh& mesh, std::size_t frame, std::string& out) 
   const std::size_t vertices = mesh.vertex_count();
   const float* p = mesh.frame(frame).data();
   for (std::size_t v = 0; v < vertices; ++v, p += 3) {
-    append_number(out, p[0]);
-    append_number(out += ' ', p[1]);
-    append_number(out += ' ', p[2]);
+    append_position(out, p);
     const std::size_t sample = frame * vertices + v;
     if (!mesh.filled().empty()) out += mesh.filled()[sample] != 0 ? " 1" : " 0";
     if (!mesh.uncertainty().empty()) append_number(out += ' ', mesh.uncertainty()[sample]);
     out += '\n';
   }
-  for (const Triangle& t : mesh.topology().faces()) {
-    out += '3';
-    for (const VertexIndex v : t) append_number(out += ' ', v);
-    out += '\n';
-  }
+  append_faces(out, mesh.topology(), "3");
 }
 
 void append_binary(const AnimatedMesh& mesh, std::size_t frame, bool big, std::string& out) {
@@ -86,19 +79,8 @@ std::string encode_ply(const AnimatedMesh& mesh, std::size_t frame, const WriteO
 
 Format ply_format();
 Format ply_format() {
-  Format format;
-  format.name = "ply";
-  format.extensions = {".ply"};
-  format.description = "PLY, ascii or binary; numbered for animations";
-  format.keeps = {.names = true,
-                  .unit = true,
-                  .rate = true,
-                  .first_frame = true,
-                  .events = true,
-                  .filled = true,
-                  .uncertainty = true,
-                  .provenance = true};
-  format.exactness = "every float";
+  Format format = make_format("ply", ".ply", "PLY, ascii or binary; numbered for animations",
+                              Keeps::everything(), "every float");
   format.single_frame = true;
   format.decode = decode_ply;
   format.encode = [](const AnimatedMesh& mesh, std::size_t frame, const WriteOptions& options) {

@@ -224,18 +224,8 @@ WriteReport write_mdd(const AnimatedMesh& mesh, const fs::path& path, const Writ
 }
 
 Format point_cache_format(std::string name, std::string extension, std::string description) {
-  Format format;
-  format.name = std::move(name);
-  format.extensions = {std::move(extension)};
-  format.description = std::move(description);
-  format.keeps = {.names = true,
-                  .unit = true,
-                  .rate = true,
-                  .first_frame = true,
-                  .events = true,
-                  .filled = true,
-                  .provenance = true};
-  format.exactness = "every float";
+  Format format = make_format(std::move(name), std::move(extension), std::move(description),
+                              Keeps::description_and_filled(), "every float");
   format.geometry_extensions = geometry_extensions;
   return format;
 }

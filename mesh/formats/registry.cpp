@@ -54,6 +54,17 @@ std::string Format::loses() const {
   return join(lost, ", ");
 }
 
+Format make_format(std::string name, std::string extension, std::string description, Keeps keeps,
+                   std::string exactness) {
+  Format format;
+  format.name = std::move(name);
+  format.extensions = {std::move(extension)};
+  format.description = std::move(description);
+  format.keeps = keeps;
+  format.exactness = std::move(exactness);
+  return format;
+}
+
 void FormatRegistry::add(Format format) {
   if (find(format.name) != nullptr) {
     throw InternalError("the format '" + format.name + "' is registered twice");

@@ -33,6 +33,26 @@ struct Keeps {
   bool filled = false;
   bool uncertainty = false;
   bool provenance = false;
+
+  /// Faces and the description that text lines carry (mesh/formats/metadata.h).
+  static Keeps description() {
+    return {.names = true,
+            .unit = true,
+            .rate = true,
+            .first_frame = true,
+            .events = true,
+            .provenance = true};
+  }
+  static Keeps description_and_filled() {
+    Keeps keeps = description();
+    keeps.filled = true;
+    return keeps;
+  }
+  static Keeps everything() {
+    Keeps keeps = description_and_filled();
+    keeps.uncertainty = true;
+    return keeps;
+  }
 };
 
 /// Numbers worth saying about a written file (the error reached by a lossy format).
@@ -79,6 +99,10 @@ struct Format {
   /// "vertex names, rate": what is lost, in words; empty when nothing is.
   std::string loses() const;
 };
+
+/// A format with its description; the caller adds what reads and writes it.
+Format make_format(std::string name, std::string extension, std::string description, Keeps keeps,
+                   std::string exactness);
 
 class FormatRegistry {
  public:

@@ -85,7 +85,9 @@ bool is_number_pattern(const fs::path& path) {
   return parse_pattern(path.filename().string()).width > 0;
 }
 
-std::vector<NumberedFile> files_of_pattern(const fs::path& path) {
+std::vector<NumberedFile> matching_files(const fs::path& path) {
+  std::error_code ignored;
+  if (!fs::is_directory(folder_of(path), ignored)) return {};
   const NamePattern pattern = parse_pattern(path.filename().string());
   std::vector<NumberedFile> found;
   for (const fs::path& entry : entries_of(folder_of(path))) {
@@ -96,6 +98,11 @@ std::vector<NumberedFile> files_of_pattern(const fs::path& path) {
         pattern.before.size(), name.size() - pattern.before.size() - pattern.after.size()));
     if (number >= 0) found.push_back({path.parent_path() / entry.filename(), number});
   }
+  return found;
+}
+
+std::vector<NumberedFile> files_of_pattern(const fs::path& path) {
+  std::vector<NumberedFile> found = matching_files(path);
   if (found.empty()) {
     throw InputError({.what = "no file matches this pattern",
                       .file = path.string(),

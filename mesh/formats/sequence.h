@@ -20,6 +20,10 @@ bool is_number_pattern(const std::filesystem::path& path);
 /// Throws InputError when there are none, or two have the same number.
 std::vector<NumberedFile> files_of_pattern(const std::filesystem::path& pattern);
 
+/// The existing files that match the pattern, in no particular order; none when the folder is not
+/// there.
+std::vector<NumberedFile> matching_files(const std::filesystem::path& pattern);
+
 /// The numbered files of a folder, by number, of those whose extension is among `extensions`
 /// (lower case, with the dot). Throws InputError when there are none or several sequences.
 std::vector<NumberedFile> files_of_folder(const std::filesystem::path& folder,

@@ -86,19 +86,4 @@ void TextScanner::fail(const std::string& what, const std::string& remedy) const
       {.what = what, .file = name_, .place = "line " + std::to_string(line()), .remedy = remedy});
 }
 
-namespace {
-
-template <class T>
-void append_chars(std::string& out, T value) {
-  char text[32];
-  const auto [end, error] = std::to_chars(text, text + sizeof text, value);
-  out.append(text, error == std::errc() ? end : text);
-}
-
-}  // namespace
-
-void append_number(std::string& out, float value) { append_chars(out, value); }
-void append_number(std::string& out, double value) { append_chars(out, value); }
-void append_number(std::string& out, int64_t value) { append_chars(out, value); }
-
 }  // namespace kinemesh

@@ -81,12 +81,4 @@ class TextScanner {
   std::string name_;
 };
 
-/// Appends the shortest text that reads back as the same value.
-void append_number(std::string& out, float value);
-void append_number(std::string& out, double value);
-void append_number(std::string& out, int64_t value);
-inline void append_number(std::string& out, uint32_t value) {
-  append_number(out, static_cast<int64_t>(value));
-}
-
 }  // namespace kinemesh

@@ -8,7 +8,6 @@
 #include "mesh/formats/metadata.h"
 #include "mesh/formats/registry.h"
 #include "mesh/formats/sequence.h"
-#include "mesh/formats/text_scanner.h"
 #include "mesh/formats/vtp.h"
 #include "mesh/formats/xml.h"
 
@@ -196,17 +195,6 @@ MeshData read_pvd(const fs::path& path, const ReadOptions&, const RunContext& ct
   return data;
 }
 
-Keeps everything() {
-  return {.names = true,
-          .unit = true,
-          .rate = true,
-          .first_frame = true,
-          .events = true,
-          .filled = true,
-          .uncertainty = true,
-          .provenance = true};
-}
-
 }  // namespace
 
 std::string encode_vtp(const AnimatedMesh& mesh, std::size_t frame, const WriteOptions& options) {
@@ -228,12 +216,8 @@ std::string encode_vtp(const AnimatedMesh& mesh, std::size_t frame, const WriteO
 
 Format vtp_format();
 Format vtp_format() {
-  Format format;
-  format.name = "vtp";
-  format.extensions = {".vtp"};
-  format.description = "VTK PolyData; numbered for animations";
-  format.keeps = everything();
-  format.exactness = "every float";
+  Format format = make_format("vtp", ".vtp", "VTK PolyData; numbered for animations",
+                              Keeps::everything(), "every float");
   format.single_frame = true;
   format.decode = decode_vtp;
   format.encode = encode_vtp;
@@ -242,12 +226,8 @@ Format vtp_format() {
 
 Format pvd_format();
 Format pvd_format() {
-  Format format;
-  format.name = "pvd";
-  format.extensions = {".pvd"};
-  format.description = "ParaView collection of VTP files";
-  format.keeps = everything();
-  format.exactness = "every float";
+  Format format = make_format("pvd", ".pvd", "ParaView collection of VTP files",
+                              Keeps::everything(), "every float");
   format.read = read_pvd;
   format.write = write_pvd;
   return format;

@@ -103,7 +103,7 @@ struct Basis {
 Basis strongest(const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>& eigen, Eigen::Index count) {
   const Eigen::VectorXd values = eigen.eigenvalues().reverse();
   Eigen::Index used = 0;
-  while (used < count && values[used] > 1e-13 * values[0]) ++used;
+  while (used < count && values[used] > 1e-11 * values[0]) ++used;
   return {eigen.eigenvectors().rightCols(used).rowwise().reverse().cast<float>(),
           values.head(used)};
 }
@@ -121,8 +121,19 @@ Basis exact_basis(const Matrix& x, Eigen::Index count, const RunContext& ctx) {
     return strongest(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(gram(x)), count);
   }
   const Matrix turned = x.transpose();
-  Basis basis = strongest(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(gram(turned)), count);
-  basis.modes = product(turned, basis.modes, ctx);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram(turned));
+  Basis basis = strongest(eigen, count);
+  const Eigen::Index used = basis.energies.size();
+  // In double: weak modes are small differences of large products.
+  const Eigen::MatrixXd vectors = eigen.eigenvectors().rightCols(used).rowwise().reverse();
+  basis.modes.resize(turned.rows(), used);
+  parallel_chunks(ctx, static_cast<std::size_t>(turned.rows()), 512,
+                  [&](std::size_t begin, std::size_t end) {
+                    const auto first = static_cast<Eigen::Index>(begin);
+                    const auto rows = static_cast<Eigen::Index>(end - begin);
+                    basis.modes.middleRows(first, rows) =
+                        (turned.middleRows(first, rows).cast<double>() * vectors).cast<float>();
+                  });
   normalise_columns(basis.modes);
   return basis;
 }

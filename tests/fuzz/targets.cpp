@@ -2,6 +2,7 @@
 
 #include "capture/c3d/reader.h"
 #include "capture/c3d/writer.h"
+#include "tests/fuzz/mesh_targets.h"
 #include "tests/fuzz/session_targets.h"
 #include "tests/fuzz/target.h"
 #include "tests/support/c3d_takes.h"
@@ -63,6 +64,7 @@ std::vector<Target> make_targets() {
        .max_seed_bytes = std::size_t{1} << 19},
   };
   for (Target& target : session_targets(c3d_seeds)) all.push_back(std::move(target));
+  for (Target& target : mesh_targets()) all.push_back(std::move(target));
   return all;
 }
 

@@ -66,7 +66,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"frames/", "frames", Encoding::binary, "ply-sequence"},
                     Case{"frames", "frames", Encoding::binary, "obj"}, Case{"a.off", "a_####.off"},
                     Case{"a.pvd", "a.pvd"}, Case{"a.pvd", "a_frames", Encoding::ascii},
-                    Case{"a_####.vtp", "a_####.vtp", Encoding::binary_big}));
+                    Case{"a_####.vtp", "a_####.vtp", Encoding::binary_big},
+                    Case{"a.npz", "a.npz"}));
 
 TEST(Formats, SequencesAreNumberedByTheTakesFrames) {
   const AnimatedMesh mesh = random_animation(3, 3, 3);
