@@ -26,6 +26,11 @@ struct Terminal {
   void print(std::string_view text) const;
 };
 
+/// A TOML document and where it is from, for errors.
+struct ConfigText {
+  std::string toml, origin;
+};
+
 using Action = std::function<ExitCode(Terminal&)>;
 
 /// The arguments of one subcommand. Fields are bound by reference and must outlive parsing: keep
@@ -55,7 +60,9 @@ class CommandLine {
   /// Adds all parameters that `declare` declares, as --NAME options, and with them --config and
   /// --dump-config. They are set before the action runs: first from the file, then from the
   /// command line. Call it once, with one function that declares every options struct.
-  virtual void parameters(std::function<void(ParameterSet&)> declare) = 0;
+  /// `base` may give a document that holds where neither says anything else.
+  virtual void parameters(std::function<void(ParameterSet&)> declare,
+                          std::function<ConfigText()> base = {}) = 0;
   /// Offers --json.
   virtual void json_output() = 0;
 };

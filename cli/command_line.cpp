@@ -97,7 +97,9 @@ void Cli11CommandLine::json_output() {
       ->group(general_group);
 }
 
-void Cli11CommandLine::parameters(std::function<void(ParameterSet&)> declare) {
+void Cli11CommandLine::parameters(std::function<void(ParameterSet&)> declare,
+                                  std::function<ConfigText()> base) {
+  base_ = std::move(base);
   declare(set_);
   for (Parameter& p : set_.parameters()) add_parameter(p);
   app_.add_option("--config", config_file_, "Read options from this file; the command line wins")
@@ -135,6 +137,10 @@ void Cli11CommandLine::add_parameter(Parameter& p) {
 }
 
 void Cli11CommandLine::apply_parameters() {
+  if (base_) {
+    const ConfigText text = base_();
+    set_.load_toml(text.toml, text.origin);
+  }
   if (!config_file_.empty()) set_.load_toml(read_file(config_file_, 1U << 24U), config_file_);
   for (const auto& [name, values] : given_) {
     try {

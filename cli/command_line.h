@@ -36,7 +36,8 @@ class Cli11CommandLine : public CommandLine {
   void words(const std::string& names, std::vector<std::string>& field, const std::string& metavar,
              const std::string& help, bool required) override;
   void flag(const std::string& names, bool& field, const std::string& help) override;
-  void parameters(std::function<void(ParameterSet&)> declare) override;
+  void parameters(std::function<void(ParameterSet&)> declare,
+                  std::function<ConfigText()> base) override;
   void json_output() override;
 
   const CommonOptions& common() const { return common_; }
@@ -53,6 +54,7 @@ class Cli11CommandLine : public CommandLine {
   CommonOptions common_;
   ParameterSet set_;
   std::map<std::string, std::vector<std::string>> given_;  // by parameter name
+  std::function<ConfigText()> base_;
   std::string config_file_;
   bool dump_config_ = false;
 };

@@ -3,10 +3,20 @@
 namespace kinemesh::cli {
 
 std::vector<CommandSpec> all_commands() {
-  // clang-format off: one command a line
+  // One command a line, in the order of the help.
+  // clang-format off
   return {
-      convert_command(),    c3d_info_command(),          c3d_check_command(), c3d_diff_command(),
-      c3d_export_command(), c3d_evaluate_fill_command(), geodesics_command(), hash_command(),
+      convert_command(),
+      batch_command(),
+      info_command(),
+      formats_command(),
+      c3d_info_command(),
+      c3d_check_command(),
+      c3d_diff_command(),
+      c3d_export_command(),
+      c3d_evaluate_fill_command(),
+      geodesics_command(),
+      hash_command(),
   };
   // clang-format on
 }

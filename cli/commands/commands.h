@@ -5,6 +5,7 @@
 
 namespace kinemesh::cli {
 
+CommandSpec batch_command();
 CommandSpec c3d_check_command();
 CommandSpec c3d_diff_command();
 CommandSpec c3d_evaluate_fill_command();
@@ -12,6 +13,8 @@ CommandSpec c3d_export_command();
 CommandSpec c3d_info_command();
 CommandSpec convert_command();
 CommandSpec geodesics_command();
+CommandSpec formats_command();
 CommandSpec hash_command();
+CommandSpec info_command();
 
 }  // namespace kinemesh::cli

@@ -1,0 +1,201 @@
+#include "reconstruct/batch_manifest.h"
+
+#include <toml++/toml.h>
+#include <algorithm>
+#include <map>
+#include <sstream>
+
+#include "capture/formats/table_text.h"
+#include "config/error.h"
+#include "config/input_file.h"
+#include "config/text.h"
+
+namespace kinemesh {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A session as the manifest names it.
+struct Row {
+  std::string session, output, topology;
+  std::size_t line = 0;
+};
+
+struct Listing {
+  std::string folder, extension, options_toml;
+  std::vector<Row> rows;
+};
+
+[[noreturn]] void refuse(const fs::path& file, std::size_t line, const std::string& what,
+                         const std::string& remedy = {}) {
+  throw InputError({.what = what,
+                    .file = file.string(),
+                    .place = line > 0 ? "line " + std::to_string(line) : "",
+                    .remedy = remedy});
+}
+
+std::size_t line_of(const toml::node& node) { return node.source().begin.line; }
+
+std::string text_of(const fs::path& file, const std::string& key, const toml::node& node) {
+  const auto text = node.value<std::string>();
+  if (!text || !node.is_string()) refuse(file, line_of(node), "'" + key + "' must be a text");
+  return *text;
+}
+
+[[noreturn]] void refuse_key(const fs::path& file, const std::string& key, const toml::node& node,
+                             const std::vector<std::string>& known) {
+  const std::string nearest = nearest_word(key, known);
+  refuse(file, line_of(node), "unknown key '" + key + "'",
+         nearest.empty() ? "Known are " + join(known, ", ", " and ")
+                         : "Did you mean '" + nearest + "'?");
+}
+
+Row row_of(const fs::path& file, const toml::node& node) {
+  const toml::table* table = node.as_table();
+  if (table == nullptr) refuse(file, line_of(node), "a session must be a table, [[session]]");
+  Row row{.line = line_of(node)};
+  for (const auto& [key, value] : *table) {
+    const std::string name(key.str());
+    std::string* field = name == "session"    ? &row.session
+                         : name == "output"   ? &row.output
+                         : name == "topology" ? &row.topology
+                                              : nullptr;
+    if (field == nullptr) refuse_key(file, name, value, {"session", "output", "topology"});
+    *field = text_of(file, name, value);
+  }
+  return row;
+}
+
+Listing listing_of_toml(const fs::path& file, const std::string& text) {
+  toml::table table;
+  try {
+    table = toml::parse(text);
+  } catch (const toml::parse_error& e) {
+    refuse(file, e.source().begin.line, "not valid TOML: " + std::string(e.description()));
+  }
+  Listing listing;
+  for (const auto& [key, value] : table) {
+    const std::string name(key.str());
+    if (name == "output") {
+      listing.folder = text_of(file, name, value);
+    } else if (name == "extension") {
+      listing.extension = text_of(file, name, value);
+    } else if (name == "options" && value.is_table()) {
+      std::ostringstream out;
+      out << *value.as_table();
+      listing.options_toml = out.str();
+    } else if (name == "session" && value.is_array()) {
+      for (const toml::node& session : *value.as_array()) {
+        listing.rows.push_back(row_of(file, session));
+      }
+    } else {
+      refuse_key(file, name, value, {"output", "extension", "options", "session"});
+    }
+  }
+  return listing;
+}
+
+Listing listing_of_csv(const fs::path& file, const std::string& text) {
+  const TableText table(text, file.string());
+  Listing listing;
+  std::vector<std::string> columns;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    if (trim(table[i]).empty() || trim(table[i]).front() == '#') continue;
+    const std::vector<std::string> cells = split_cells(table[i], ',');
+    if (columns.empty()) {
+      columns = cells;
+      const std::vector<std::string> known{"session", "output", "topology"};
+      for (const std::string& column : columns) {
+        if (std::ranges::find(known, column) == known.end()) {
+          table.refuse(i, "unknown column '" + column + "'",
+                       "The first line names the columns: session, output, topology");
+        }
+      }
+      continue;
+    }
+    if (cells.size() > columns.size()) table.refuse(i, "more cells than columns");
+    Row row{.line = i + 1};
+    for (std::size_t c = 0; c < cells.size(); ++c) {
+      (columns[c] == "session"  ? row.session
+       : columns[c] == "output" ? row.output
+                                : row.topology) = cells[c];
+    }
+    listing.rows.push_back(row);
+  }
+  return listing;
+}
+
+std::string key_of(const fs::path& path) { return fs::absolute(path).lexically_normal().string(); }
+
+/// Outputs of different sessions, their other files included, must not meet.
+std::map<std::string, std::size_t> index_outputs(const fs::path& file, const Listing& listing,
+                                                 const std::vector<BatchSession>& sessions) {
+  std::map<std::string, std::size_t> by_output;
+  std::map<std::string, std::size_t> by_stem;
+  for (std::size_t i = 0; i < sessions.size(); ++i) {
+    by_output.emplace(key_of(sessions[i].output), i);
+    fs::path stem = sessions[i].output;
+    const auto [at, fresh] = by_stem.emplace(key_of(stem.replace_extension()), i);
+    if (!fresh) {
+      refuse(file, listing.rows[i].line,
+             "the output " + sessions[i].output.string() + " is also that of line " +
+                 std::to_string(listing.rows[at->second].line),
+             "Give one of them another 'output'");
+    }
+  }
+  return by_output;
+}
+
+void refuse_circles(const fs::path& file, const Listing& listing,
+                    const std::vector<BatchSession>& sessions) {
+  for (std::size_t i = 0; i < sessions.size(); ++i) {
+    std::size_t steps = 0;
+    for (auto at = sessions[i].after; at; at = sessions[*at].after) {
+      if (++steps > sessions.size()) {
+        refuse(file, listing.rows[i].line, "sessions wait for each other's topology in a circle");
+      }
+    }
+  }
+}
+
+}  // namespace
+
+BatchManifest read_batch_manifest(const fs::path& file, const BatchManifestOptions& options) {
+  constexpr std::size_t largest = 64U << 20U;
+  const std::string text = read_file(file, largest);
+  const bool csv = lower(file.extension().string()) == ".csv";
+  const Listing listing = csv ? listing_of_csv(file, text) : listing_of_toml(file, text);
+  if (listing.rows.empty()) {
+    refuse(file, 0, "the manifest names no session",
+           csv ? "The first line names the columns (session, output, topology), each further line "
+                 "is a session"
+               : "Name each session in a table [[session]] with session = \"FILE.c3d\"");
+  }
+  BatchManifest manifest;
+  manifest.file = file;
+  manifest.options_toml = listing.options_toml;
+  const fs::path base = file.parent_path();
+  manifest.folder = !options.folder.empty()   ? fs::path(options.folder)
+                    : !listing.folder.empty() ? base / listing.folder
+                                              : base / (file.stem().string() + "_results");
+  const std::string extension = listing.extension.empty() ? options.extension : listing.extension;
+  for (const Row& row : listing.rows) {
+    if (row.session.empty()) refuse(file, row.line, "a session without a file");
+    const std::string name =
+        row.output.empty() ? fs::path(row.session).stem().string() + extension : row.output;
+    manifest.sessions.push_back({.session = base / row.session, .output = manifest.folder / name});
+  }
+  const auto by_output = index_outputs(file, listing, manifest.sessions);
+  for (std::size_t i = 0; i < manifest.sessions.size(); ++i) {
+    const std::string& name = listing.rows[i].topology;
+    if (name.empty()) continue;
+    BatchSession& session = manifest.sessions[i];
+    const auto made = by_output.find(key_of(manifest.folder / name));
+    if (made != by_output.end()) session.after = made->second;
+    session.topology = made != by_output.end() ? manifest.folder / name : base / name;
+  }
+  refuse_circles(file, listing, manifest.sessions);
+  return manifest;
+}
+
+}  // namespace kinemesh

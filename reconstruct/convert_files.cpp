@@ -1,0 +1,172 @@
+#include "reconstruct/convert_files.h"
+
+#include <filesystem>
+#include <optional>
+
+#include "config/input_file.h"
+#include "config/output_file.h"
+#include "config/text.h"
+#include "mesh/formats/mesh_io.h"
+#include "reconstruct/anonymous.h"
+#include "reconstruct/convert_report.h"
+#include "reconstruct/convert_summary.h"
+#include "report/gap_chart.h"
+#include "report/image.h"
+
+namespace kinemesh {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// `face` for out/face.ply, out/face_####.obj and the folder out/face/.
+fs::path stem_of(const fs::path& output) {
+  const fs::path file = output.has_filename() ? output : output.parent_path();
+  std::string name = file.stem().string();
+  while (!name.empty() && (name.back() == '#' || name.back() == '_')) name.pop_back();
+  return (output.has_filename() ? file.parent_path() : file) / (name.empty() ? "mesh" : name);
+}
+
+fs::path beside(const fs::path& stem, const std::string& suffix) {
+  return stem.parent_path() / (stem.filename().string() + suffix);
+}
+
+Provenance provenance_of(const ConvertJob& job) {
+  Provenance p;
+  p.program = job.program;
+  p.command = job.command;
+  p.options = job.options_toml;
+  p.inputs.push_back({job.session, sha256_of_file(job.session)});
+  if (!job.previous.empty() && fs::is_regular_file(job.previous)) {
+    p.inputs.push_back({job.previous, sha256_of_file(job.previous)});
+  }
+  return p;
+}
+
+Anonymiser anonymiser_of(const ConvertJob& job, const MarkerSequence& session) {
+  Anonymiser anonymiser(session);
+  anonymiser.add_path(job.session, "session" + fs::path(job.session).extension().string());
+  anonymiser.add_path(job.previous, "previous" + fs::path(job.previous).extension().string());
+  anonymiser.add_path(job.output, "mesh" + fs::path(job.output).extension().string());
+  anonymiser.add(stem_of(job.output).filename().string(), "mesh");
+  return anonymiser;
+}
+
+/// What is written about one conversion, and where to.
+class Writer {
+ public:
+  Writer(const ConvertJob& job, const ConvertFilesOptions& options, ConvertFilesResult& result)
+      : job_(job), options_(options), result_(result), stem_(stem_of(job.output)) {}
+
+  void write(const FormatRegistry& formats, const RunContext& ctx) {
+    title_ = fs::path(result_.session.origin.path).filename().string();
+    const WriteResult written =
+        add_animation(formats, result_.conversion.animation, job_.output, options_.writing, files_,
+                      ctx.part(0.0, 0.4, "writing the mesh"));
+    for (const std::string& note : written.report.notes) ctx.info(note);
+    list(written.files.front());
+    if (written.files.size() > 1) list(written.files.back());
+    if (options_.pictures) draw(ctx.part(0.4, 0.7, "drawing"));
+    add("_quality.csv", quality_csv(result_.conversion));
+    list(beside(stem_, "_summary.json"));
+    if (options_.report) add_report(ctx.part(0.7, 1.0, "report"));
+    files_.add(beside(stem_, "_summary.json"),
+               summary_json(result_.session, result_.conversion, shown_outputs()));
+    files_.commit();
+  }
+
+  /// Set when no name may be written.
+  std::optional<Anonymiser> anonymiser;
+
+ private:
+  void list(const fs::path& path) { result_.outputs.push_back(path.string()); }
+  void add(const std::string& suffix, const std::string& content) {
+    list(beside(stem_, suffix));
+    files_.add(beside(stem_, suffix), content);
+  }
+
+  /// The outputs as the written files may name them.
+  std::vector<std::string> shown_outputs() const {
+    std::vector<std::string> shown = result_.outputs;
+    if (!anonymiser) return shown;
+    for (std::string& path : shown) path = (*anonymiser)(fs::path(path).filename().string());
+    return shown;
+  }
+
+  void draw(const RunContext& ctx) {
+    const ConvertResult& conversion = result_.conversion;
+    ContactSheetOptions sheet = options_.sheet;
+    sheet.title = title_;
+    sheet.subtitle = count_of(conversion.markers.size(), "marker") + ", " +
+                     count_of(conversion.animation.frame_count(), "frame") + " at " +
+                     format_number(conversion.animation.rate_hz) + " Hz";
+    const Canvas frames = draw_contact_sheet(conversion.animation, sheet, ctx).sheet;
+    add("_frames.png", encode_png(frames.raster(png_scale(frames))));
+    ctx.check_cancelled();
+    GapChart chart = gap_chart_of(conversion);
+    chart.subtitle = title_;
+    const Canvas gaps = draw_gap_chart(chart);
+    add("_gaps.png", encode_png(gaps.raster(png_scale(gaps))));
+    ctx.check_cancelled();
+  }
+
+  void add_report(const RunContext& ctx) {
+    list(beside(stem_, "_report.html"));
+    const ConvertReport report = convert_report(
+        result_.session, result_.conversion,
+        {.title = title_, .outputs = shown_outputs(), .up = direction_of(options_.sheet.up)}, ctx);
+    result_.report_error_mm = report.max_error_mm;
+    files_.add(beside(stem_, "_report.html"), report.html);
+    ctx.check_cancelled();
+  }
+
+  const ConvertJob& job_;
+  const ConvertFilesOptions& options_;
+  ConvertFilesResult& result_;
+  fs::path stem_;
+  std::string title_;
+  OutputSet files_;
+};
+
+}  // namespace
+
+void ConvertFilesOptions::declare(ParameterSet& p) {
+  reading.declare(p);
+  convert.declare(p);
+  p.group("output", "Output");
+  writing.declare(p);
+  p.group("pictures", "Pictures and report");
+  p.flag("pictures", pictures, "draw the mesh at a few frames, and the gaps over time");
+  p.flag("report", report, "write a report as one HTML page that works offline");
+  p.flag("anonymous", anonymous,
+         "leave the names of subjects and files out of everything that is written");
+  sheet.declare(p);
+}
+
+void ConvertFilesOptions::validate() const {
+  convert.validate();
+  validate_options(*this);
+}
+
+ConvertFilesResult convert_files(const FormatRegistry& formats, const ConvertJob& job,
+                                 const ConvertFilesOptions& options, const RunContext& ctx) {
+  options.validate();
+  ConvertFilesResult result;
+  result.session = read_session(job.session, options.reading, ctx.part(0.0, 0.1, "reading"));
+  // A wrong name or format is said before the work is done, not after it.
+  output_format(formats, job.output, options.writing, result.session.frame_count());
+  std::optional<Mesh> previous;
+  if (!job.previous.empty()) previous = read_mesh(formats, job.previous, {}, ctx);
+  result.conversion =
+      convert_session(result.session, options.convert, previous, ctx.part(0.1, 0.7, "converting"));
+  result.conversion.animation.provenance = provenance_of(job);
+  Writer writer(job, options, result);
+  if (options.anonymous) {
+    writer.anonymiser = anonymiser_of(job, result.session);
+    anonymise(*writer.anonymiser, result.session, result.conversion);
+  }
+  writer.write(formats, ctx.part(0.7, 1.0, "writing"));
+  ctx.progress(1.0);
+  return result;
+}
+
+}  // namespace kinemesh

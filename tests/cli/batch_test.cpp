@@ -1,0 +1,107 @@
+// kinemesh batch, as an operator types it.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "config/input_file.h"
+#include "config/output_file.h"
+#include "tests/support/data.h"
+#include "tests/support/run_program.h"
+#include "tests/support/temporary_folder.h"
+
+namespace kinemesh {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+using test::TemporaryFolder;
+
+test::ProgramRun batch(std::vector<std::string> more, double interrupt_after_s = -1.0) {
+  std::vector<std::string> words{"batch"};
+  words.insert(words.end(), more.begin(), more.end());
+  return test::run_program(KINEMESH_PROGRAM, words, interrupt_after_s);
+}
+
+std::string outcome(const Json& result, std::size_t i) {
+  return result["sessions"][i]["outcome"].get<std::string>();
+}
+
+/// Two good sessions that share a topology, one that is missing and one that is none.
+fs::path study_in(const TemporaryFolder& folder) {
+  for (const char* name : {"anna_happy.c3d", "anna_surprise.c3d"}) {
+    fs::copy_file(test::sample_folder() / name, folder.path() / name);
+  }
+  write_file(folder.path() / "broken.c3d", "this is no session");
+  write_file(folder.path() / "study.toml",
+             "output = \"out\"\n[options.pictures]\npictures = false\nreport = false\n"
+             "[[session]]\nsession = \"anna_surprise.c3d\"\ntopology = \"anna_happy.ply\"\n"
+             "[[session]]\nsession = \"broken.c3d\"\n"
+             "[[session]]\nsession = \"missing.c3d\"\n"
+             "[[session]]\nsession = \"anna_happy.c3d\"\n");
+  return folder.path() / "study.toml";
+}
+
+TEST(Batch, OneThatFailsHarmsNoOtherAndResumeLeavesOutWhatIsFinished) {
+  const TemporaryFolder folder;
+  const std::string study = study_in(folder).string();
+  const test::ProgramRun plan = batch({study, "--dry-run", "--json"});
+  EXPECT_EQ(plan.exit_code, 3);  // one is missing
+  EXPECT_FALSE(fs::exists(folder.path() / "out"));
+  EXPECT_EQ(outcome(Json::parse(plan.out), 0), "not begun");
+  EXPECT_EQ(outcome(Json::parse(plan.out), 2), "failed");
+
+  const test::ProgramRun first = batch({study, "--json", "--jobs", "2"});
+  EXPECT_EQ(first.exit_code, 3) << first.err;
+  const Json result = Json::parse(first.out);
+  EXPECT_EQ(outcome(result, 0), "done") << first.out;
+  EXPECT_EQ(outcome(result, 1), "failed");
+  EXPECT_EQ(outcome(result, 2), "failed");
+  EXPECT_EQ(outcome(result, 3), "done");
+  EXPECT_EQ(result["sessions"][0]["vertices"], result["sessions"][3]["vertices"]);
+  EXPECT_FALSE(result["sessions"][1]["reason"].get<std::string>().empty());
+  EXPECT_EQ(Json::parse(read_file(folder.path() / "out/study_outcomes.json")), result);
+  const std::string mesh = read_file(folder.path() / "out/anna_surprise.ply");
+
+  const Json again = Json::parse(batch({study, "--json", "--resume"}).out);
+  EXPECT_EQ(outcome(again, 0), "finished before");
+  EXPECT_EQ(outcome(again, 1), "failed");
+  EXPECT_EQ(outcome(again, 3), "finished before");
+
+  // What is gone or was made with other options is made again.
+  fs::remove(folder.path() / "out/anna_surprise.pc2");
+  const Json made = Json::parse(batch({study, "--json", "--resume"}).out);
+  EXPECT_EQ(outcome(made, 0), "done");
+  EXPECT_EQ(outcome(made, 3), "finished before");
+  EXPECT_EQ(read_file(folder.path() / "out/anna_surprise.ply"), mesh);
+  const Json other =
+      Json::parse(batch({study, "--json", "--resume", "--dry-run", "--max-gap", "0.1"}).out);
+  EXPECT_EQ(outcome(other, 3), "not begun");
+}
+
+TEST(Batch, CtrlCStopsItAndResumeGoesOn) {
+  const TemporaryFolder folder;
+  const std::string study = study_in(folder).string();
+  const test::ProgramRun stopped = batch({study, "--json", "--jobs", "1"}, 0.15);
+  if (stopped.exit_code != 130) GTEST_SKIP() << "it was done before it could be stopped";
+  for (const auto& entry : fs::recursive_directory_iterator(folder.path() / "out")) {
+    EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
+  }
+  const Json resumed = Json::parse(batch({study, "--json", "--resume"}).out);
+  EXPECT_NE(outcome(resumed, 0), "cancelled");
+  EXPECT_TRUE(fs::exists(folder.path() / "out/anna_surprise.ply"));
+}
+
+TEST(Batch, WrongUsageIsSaid) {
+  const TemporaryFolder folder;
+  const std::string study = study_in(folder).string();
+  EXPECT_EQ(batch({study, "--jobs", "many"}).exit_code, 2);
+  EXPECT_EQ(batch({(folder.path() / "none.toml").string()}).exit_code, 3);
+  write_file(folder.path() / "wrong.toml",
+             "[options.pictures]\npicture = false\n[[session]]\nsession = \"a.c3d\"\n");
+  const test::ProgramRun wrong = batch({(folder.path() / "wrong.toml").string()});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_NE(wrong.err.find("unknown option 'picture'"), std::string::npos) << wrong.err;
+}
+
+}  // namespace
+}  // namespace kinemesh
