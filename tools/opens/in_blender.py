@@ -1,0 +1,92 @@
+"""Inside Blender: loads outputs and writes their vertices at some frames as JSON.
+
+blender -b --factory-startup -P in_blender.py -- JOBS.json ANSWERS.json
+JOBS: list of {"kind", "path", "files", "frames", "rate"}; positions are as Blender's world has them.
+"""
+import json
+import sys
+import traceback
+
+import bpy
+import numpy
+
+# Debian's Blender 3.4 imports glTF with a name that Debian's NumPy has dropped.
+numpy.bool = bool
+
+jobs_path, answers_path = sys.argv[sys.argv.index("--") + 1:]
+
+
+def empty(rate):
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.context.scene.render.fps = int(rate)
+    bpy.context.scene.render.fps_base = 1.0
+
+
+def the_mesh():
+    return next(o for o in bpy.data.objects if o.type == "MESH")
+
+
+def vertices():
+    graph = bpy.context.evaluated_depsgraph_get()
+    found = the_mesh().evaluated_get(graph)
+    mesh = found.to_mesh()
+    return [list(found.matrix_world @ v.co) for v in mesh.vertices]
+
+
+def cached(job, kind):
+    bpy.ops.import_mesh.ply(filepath=job["geometry"])
+    modifier = the_mesh().modifiers.new("cache", "MESH_CACHE")
+    modifier.cache_format, modifier.filepath = kind, job["path"]
+    modifier.forward_axis, modifier.up_axis = "POS_Y", "POS_Z"
+    modifier.frame_start = 0.0
+    result = []
+    for frame in job["frames"]:
+        bpy.context.scene.frame_set(frame)
+        result.append(vertices())
+    return result
+
+
+def imported(job):
+    bpy.ops.import_scene.gltf(filepath=job["path"])
+    result = []
+    for frame in job["frames"]:
+        bpy.context.scene.frame_set(frame)
+        result.append(vertices())
+    return result
+
+
+def each(job, load):
+    result = []
+    for path in job["files"]:
+        empty(job["rate"])
+        load(path)
+        result.append(vertices())
+    return result
+
+
+def load_obj(path):
+    bpy.ops.wm.obj_import(filepath=path, forward_axis="Y", up_axis="Z")
+
+
+def load_ply(path):
+    bpy.ops.import_mesh.ply(filepath=path)
+
+
+LOADERS = {"ply": lambda j: each(j, load_ply), "ply ascii": lambda j: each(j, load_ply), "ply big-endian": lambda j: each(j, load_ply),
+           "obj": lambda j: each(j, load_obj), "ply+pc2": lambda j: cached(j, "PC2"), "mdd": lambda j: cached(j, "MDD"),
+           "glb": imported, "gltf": imported}
+
+answers = {}
+with open(jobs_path) as file:
+    jobs = json.load(file)
+for job in jobs:
+    if job["kind"] not in LOADERS:
+        continue
+    try:
+        empty(job["rate"])
+        answers[job["kind"]] = {"positions": LOADERS[job["kind"]](job)}
+    except Exception as error:
+        traceback.print_exc()
+        answers[job["kind"]] = {"error": str(error)}
+with open(answers_path, "w") as file:
+    json.dump({"version": bpy.app.version_string, "answers": answers}, file)

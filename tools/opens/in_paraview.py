@@ -1,0 +1,90 @@
+"""Inside ParaView: loads outputs and writes their vertices at some frames as JSON.
+
+pvpython in_paraview.py JOBS.json ANSWERS.json; JOBS as for in_blender.py.
+"""
+import json
+import sys
+import traceback
+
+from paraview import servermanager, simple
+
+simple._DisableFirstRenderCameraReset()
+jobs_path, answers_path = sys.argv[1:3]
+
+
+def points_of(data):
+    if data.IsA("vtkMultiBlockDataSet") or data.IsA("vtkPartitionedDataSetCollection"):
+        walk = data.NewIterator()
+        walk.InitTraversal()
+        while not walk.IsDoneWithTraversal():
+            block = walk.GetCurrentDataObject()
+            if block.GetNumberOfPoints() > 0:
+                return points_of(block)
+            walk.GoToNextItem()
+    return [list(data.GetPoint(i)) for i in range(data.GetNumberOfPoints())]
+
+
+def at_times(reader, times):
+    result = []
+    for time in times:
+        reader.UpdatePipeline(time)
+        result.append(points_of(servermanager.Fetch(reader)))
+    return result
+
+
+def each(job, make):
+    result = []
+    for path in job["files"]:
+        reader = make(path)
+        reader.UpdatePipeline()
+        result.append(points_of(servermanager.Fetch(reader)))
+    return result
+
+
+def pvd(job):
+    return at_times(simple.PVDReader(FileName=job["path"]), [f / job["rate"] for f in job["frames"]])
+
+
+def gltf(job):
+    reader = simple.glTFReader(FileName=job["path"]) if hasattr(simple, "glTFReader") else simple.OpenDataFile(job["path"])
+    for name in ("FrameRate",):
+        if hasattr(reader, name):
+            setattr(reader, name, int(job["rate"]))
+    if hasattr(reader, "AnimationSelection"):
+        reader.UpdatePipelineInformation()
+        reader.AnimationSelection = [reader.AnimationInfo[0], "1"]
+    reader.UpdatePipelineInformation()
+    return at_times(reader, [f / job["rate"] for f in job["frames"]])
+
+
+def csv(job):
+    table = simple.CSVReader(FileName=[job["path"]])
+    table.UpdatePipeline()
+    return {"rows": servermanager.Fetch(table).GetNumberOfRows()}
+
+
+def vtp(path):
+    return simple.XMLPolyDataReader(FileName=[path])
+
+
+def ply(path):
+    return simple.PLYReader(FileNames=[path])
+
+
+LOADERS = {"vtp": lambda j: each(j, vtp), "pvd": pvd, "ply": lambda j: each(j, ply), "ply ascii": lambda j: each(j, ply),
+           "ply big-endian": lambda j: each(j, ply),
+           "obj": lambda j: each(j, lambda p: simple.WavefrontOBJReader(FileName=p)), "glb": gltf, "gltf": gltf, "csv": csv}
+
+answers = {}
+with open(jobs_path) as file:
+    jobs = json.load(file)
+for job in jobs:
+    if job["kind"] not in LOADERS:
+        continue
+    try:
+        answers[job["kind"]] = {"positions": LOADERS[job["kind"]](job)}
+    except Exception as error:
+        traceback.print_exc()
+        answers[job["kind"]] = {"error": str(error)}
+with open(answers_path, "w") as file:
+    json.dump({"version": str(servermanager.vtkSMProxyManager.GetParaViewSourceVersion()), "answers": answers}, file)
