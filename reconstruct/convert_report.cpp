@@ -6,7 +6,7 @@
 
 #include "config/error.h"
 #include "config/text.h"
-#include "mesh/deformation.h"
+#include "mesh/movement.h"
 #include "reconstruct/convert_summary.h"
 #include "report/camera.h"
 #include "report/chart.h"
@@ -41,9 +41,9 @@ std::string take_text(const AnimatedMesh& mesh) {
 }
 
 /// How far each vertex moves beside the motion of the head.
-ViewerField movement_of(const AnimatedMesh& mesh, const RunContext& ctx) {
+ViewerField movement_field(const AnimatedMesh& mesh, const RunContext& ctx) {
   ViewerField field;
-  for (const double mm : deformation_of(mesh, ctx)) {
+  for (const double mm : movement_of(mesh, ctx)) {
     field.values.push_back(static_cast<float>(mm));
   }
   const float high = *std::ranges::max_element(field.values);
@@ -302,7 +302,7 @@ ConvertReport convert_report(const MarkerSequence& session, const ConvertResult&
   const AnimatedMesh& mesh = result.animation;
   MeshViewerOptions view;
   if (options.up) view.axes = estimate_axes(mesh.topology(), mesh.frame(0), options.up);
-  view.fields = {movement_of(mesh, ctx)};
+  view.fields = {movement_field(mesh, ctx)};
   view.code.max_bytes = options.max_bytes * 3 / 5;
   // A browser adds up three million products a frame with ease: small meshes may have more modes.
   view.code.max_modes = std::max(view.code.max_modes, 1000000 / mesh.vertex_count());

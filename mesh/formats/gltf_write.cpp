@@ -6,11 +6,11 @@
 
 #include "config/error.h"
 #include "config/text.h"
-#include "mesh/deformation.h"
 #include "mesh/formats/bytes.h"
 #include "mesh/formats/gltf.h"
 #include "mesh/formats/metadata.h"
 #include "mesh/formats/morph_animation.h"
+#include "mesh/movement.h"
 
 namespace kinemesh {
 namespace {
@@ -72,7 +72,7 @@ class GltfWriter {
       animation_.base[i] = static_cast<float>(p[i] * 1e-3);
     }
     if (options_.gltf.colour == VertexColour::deformation) {
-      colours_ = deformation_of(mesh_, ctx_);
+      colours_ = movement_of(mesh_, ctx_);
       const double largest = *std::ranges::max_element(colours_);
       if (largest > 0) {
         for (double& c : colours_) c /= largest;

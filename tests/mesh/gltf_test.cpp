@@ -12,10 +12,10 @@
 
 #include "config/error.h"
 #include "config/input_file.h"
-#include "mesh/deformation.h"
 #include "mesh/formats/bytes.h"
 #include "mesh/formats/mesh_io.h"
 #include "mesh/formats/morph_animation.h"
+#include "mesh/movement.h"
 #include "tests/support/random_animation.h"
 #include "tests/support/temporary_folder.h"
 
@@ -332,7 +332,7 @@ TEST(MorphAnimation, SplineThroughStraightPiecesIsExact) {
   for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(fit[i], values[keys[i]], 1e-12);
 }
 
-TEST(Deformation, LeavesRigidMotionOut) {
+TEST(Movement, LeavesRigidMotionOut) {
   AnimatedMesh mesh = test::smooth_animation(6, 6, 8, 60.0);
   for (std::size_t f = 0; f < 8; ++f) {
     mesh.frame(f) = mesh.frame(0);
@@ -342,7 +342,7 @@ TEST(Deformation, LeavesRigidMotionOut) {
             .toRotationMatrix();
     mesh.frame(f) = (mesh.frame(f) * turn.transpose()).eval();
   }
-  const std::vector<double> moved = deformation_of(mesh);
+  const std::vector<double> moved = movement_of(mesh);
   for (std::size_t v = 0; v < 36; ++v) {
     if (v == 20) continue;
     EXPECT_LT(moved[v], 0.6) << v;

@@ -10,6 +10,6 @@ namespace kinemesh {
 
 /// Per vertex, mm: root mean square distance over all frames from the mean shape, after each
 /// frame's rigid motion is taken out (Kabsch 1976). 0 for fewer than two frames.
-std::vector<double> deformation_of(const AnimatedMesh& mesh, const RunContext& ctx = {});
+std::vector<double> movement_of(const AnimatedMesh& mesh, const RunContext& ctx = {});
 
 }  // namespace kinemesh

@@ -1,4 +1,4 @@
-#include "mesh/deformation.h"
+#include "mesh/movement.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
@@ -26,7 +26,7 @@ Points centred(Points points) {
 
 }  // namespace
 
-std::vector<double> deformation_of(const AnimatedMesh& mesh, const RunContext& ctx) {
+std::vector<double> movement_of(const AnimatedMesh& mesh, const RunContext& ctx) {
   const std::size_t frames = mesh.frame_count(), vertices = mesh.vertex_count();
   std::vector<double> squares(vertices, 0.0);
   if (frames < 2 || vertices == 0) return squares;
