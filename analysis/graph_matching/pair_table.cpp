@@ -1,0 +1,103 @@
+#include "analysis/graph_matching/pair_table.h"
+
+#include <algorithm>
+
+#include "config/multiversion.h"
+
+namespace kinemesh::graph_matching {
+namespace {
+
+KINEMESH_MULTIVERSION void add_scaled(const double* from, double sign, double* to,
+                                      std::size_t count) {
+  for (std::size_t k = 0; k < count; ++k) to[k] += sign * from[k];
+}
+
+}  // namespace
+
+PairTable::PairTable(const MatchingProblem& problem)
+    : left_count_(problem.left_count), right_count_(problem.right_count) {
+  for (const MatchingAssignment& it : problem.assignments) {
+    left_.push_back(it.left);
+    right_.push_back(it.right);
+    cost_.push_back(it.cost);
+  }
+  fill_lefts();
+  fill_entries(problem);
+  if (size() > dense_assignments) return;
+  dense_.assign(std::size_t{size()} * size(), 0.0);
+  for (uint32_t a = 0; a < size(); ++a) {
+    for (const Entry& e : row(a)) dense_[std::size_t{a} * size() + e.other] = e.cost;
+  }
+}
+
+void PairTable::fill_lefts() {
+  left_begin_.assign(left_count_ + std::size_t{1}, 0);
+  for (const uint32_t i : left_) ++left_begin_[i + 1];
+  for (uint32_t i = 0; i < left_count_; ++i) left_begin_[i + 1] += left_begin_[i];
+  by_left_.resize(size());
+  std::vector<std::size_t> next(left_begin_.begin(), left_begin_.end() - 1);
+  for (uint32_t a = 0; a < size(); ++a) by_left_[next[left_[a]]++] = a;
+  for (uint32_t i = 0; i < left_count_; ++i) {
+    std::sort(by_left_.begin() + static_cast<std::ptrdiff_t>(left_begin_[i]),
+              by_left_.begin() + static_cast<std::ptrdiff_t>(left_begin_[i + 1]),
+              [this](uint32_t a, uint32_t b) { return right_[a] < right_[b]; });
+  }
+}
+
+void PairTable::fill_entries(const MatchingProblem& problem) {
+  const auto counts = [this](const MatchingPair& p) {
+    return left_[p.a] != left_[p.b] && right_[p.a] != right_[p.b];
+  };
+  std::vector<std::size_t> fill(size() + std::size_t{1}, 0);
+  for (const MatchingPair& p : problem.pairs) {
+    if (!counts(p)) continue;
+    ++fill[p.a + std::size_t{1}];
+    ++fill[p.b + std::size_t{1}];
+  }
+  for (uint32_t a = 0; a < size(); ++a) fill[a + 1] += fill[a];
+  std::vector<Entry> all(fill.back());
+  std::vector<std::size_t> next(fill.begin(), fill.end() - 1);
+  for (const MatchingPair& p : problem.pairs) {
+    if (!counts(p)) continue;
+    all[next[p.a]++] = {p.b, p.cost};
+    all[next[p.b]++] = {p.a, p.cost};
+  }
+  begin_.assign(1, 0);
+  entries_.reserve(all.size());
+  for (uint32_t a = 0; a < size(); ++a) {
+    const auto first = all.begin() + static_cast<std::ptrdiff_t>(fill[a]);
+    const auto last = all.begin() + static_cast<std::ptrdiff_t>(fill[a + 1]);
+    std::stable_sort(first, last, [](const Entry& x, const Entry& y) { return x.other < y.other; });
+    for (auto it = first; it != last; ++it) {
+      if (entries_.size() > begin_[a] && entries_.back().other == it->other) {
+        entries_.back().cost += it->cost;
+      } else {
+        entries_.push_back(*it);
+      }
+    }
+    begin_.push_back(entries_.size());
+  }
+}
+
+double PairTable::searched(uint32_t a, uint32_t b) const {
+  const std::span<const Entry> entries = row(a);
+  const auto it = std::ranges::lower_bound(entries, b, {}, &Entry::other);
+  return it != entries.end() && it->other == b ? it->cost : 0.0;
+}
+
+void PairTable::add_row(uint32_t a, double sign, std::span<double> sums) const {
+  const std::span<const Entry> entries = row(a);
+  if (!dense_.empty() && 2 * entries.size() > sums.size()) {
+    add_scaled(dense_.data() + std::size_t{a} * size(), sign, sums.data(), sums.size());
+    return;
+  }
+  for (const Entry& e : entries) sums[e.other] += sign * e.cost;
+}
+
+uint32_t PairTable::find(uint32_t i, uint32_t j) const {
+  const std::span<const uint32_t> mine = of_left(i);
+  const auto it = std::ranges::lower_bound(mine, j, {}, [this](uint32_t a) { return right_[a]; });
+  return it != mine.end() && right_[*it] == j ? *it : unmatched;
+}
+
+}  // namespace kinemesh::graph_matching

@@ -1,0 +1,106 @@
+#include "analysis/graph_matching/solve_matching.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/graph_matching/search_state.h"
+
+namespace kinemesh {
+
+void MatchingOptions::declare(ParameterSet& p) {
+  p.group("matching", "Graph matching");
+  p.choice("matching-method", method,
+           {{MatchingMethod::ascent, "ascent", "dual ascent with branch and bound"},
+            {MatchingMethod::subgradient, "subgradient",
+             "dual decomposition by projected subgradients, as in the thesis"}},
+           "How the lower bound is found");
+  p.number("time-limit", time_limit_s,
+           {.unit = "s", .min = 0.001, .max = 1e6, .help = "Stop searching after this long"});
+  p.number("gap", gap,
+           {.min = 0.0, .max = 1.0,
+            .help = "Stop when the bound is this close to the energy, relative to it"});
+  p.number("matching-iterations", iterations,
+           {.min = 1, .max = 1e9, .help = "Passes over the dual, or subgradient steps, at most"});
+  p.number("local-size", local_size,
+           {.min = 2, .max = 5,
+            .help = "Left nodes in each local subproblem of the subgradient method"});
+  p.number("bound-memory", memory_mb,
+           {.unit = "MB", .min = 1, .max = 1e6, .help = "Memory that the lower bound may use"});
+}
+
+namespace graph_matching {
+
+SearchState::SearchState(const MatchingProblem& problem, const MatchingOptions& options,
+                         const RunContext& ctx)
+    : options_(options),
+      ctx_(ctx),
+      begin_(std::chrono::steady_clock::now()),
+      table_(problem),
+      local_(table_, ctx.seed()) {}
+
+double SearchState::cutoff() const {
+  return energy() - std::max(options_.gap * std::abs(energy()), 1e-12);
+}
+
+double SearchState::seconds() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+}
+
+bool SearchState::time_is_up() {
+  if (!out_of_time_) out_of_time_ = seconds() >= options_.time_limit_s;
+  return out_of_time_;
+}
+
+bool SearchState::stop() {
+  ctx_.check_cancelled();
+  return time_is_up() || iterations_ >= options_.iterations;
+}
+
+void SearchState::offer(const std::vector<uint32_t>& assignments) {
+  Matching matching(table_.left_count(), unmatched);
+  for (const uint32_t a : assignments) matching[table_.left(a)] = a;
+  local_.start_from(matching);
+  local_.search(5 + table_.left_count() / 4);
+}
+
+void SearchState::improve(uint64_t work) {
+  if (table_.size() == 0) return;
+  const uint64_t until = local_.work() + work;
+  while (local_.work() < until && !stop()) {
+    if (starts_ % 3 == 0) {
+      local_.start_greedy();
+    } else {
+      local_.start_near_best(2 + static_cast<uint32_t>(starts_ % 7) * table_.left_count() / 14);
+    }
+    ++starts_;
+    local_.search(20 + 2 * table_.left_count());
+  }
+}
+
+}  // namespace graph_matching
+
+MatchingResult solve_matching(const MatchingProblem& problem, const MatchingOptions& options,
+                              const RunContext& ctx) {
+  options.validate();
+  problem.validate();
+  graph_matching::SearchState state(problem, options, ctx);
+  MatchingResult result;
+  const double bound = options.method == MatchingMethod::subgradient
+                           ? graph_matching::bound_by_subgradient(state)
+                           : graph_matching::bound_by_ascent(state, result.branches);
+  result.labelling.assign(problem.left_count, unmatched);
+  const graph_matching::Matching& best = state.local().best();
+  for (uint32_t i = 0; i < problem.left_count; ++i) {
+    if (best[i] != unmatched) result.labelling[i] = problem.assignments[best[i]].right;
+  }
+  result.energy = problem.energy(result.labelling);
+  const double simple = graph_matching::simple_bound(state.table());
+  result.bound = std::min(std::max(bound, simple) + problem.constant, result.energy);
+  result.iterations = state.iterations();
+  result.seconds = state.seconds();
+  result.time_is_up = state.was_out_of_time();
+  result.certified = result.energy - result.bound <= certified_gap * std::abs(result.energy);
+  return result;
+}
+
+}  // namespace kinemesh

@@ -1,0 +1,70 @@
+// kinemesh solve-matching: a graph matching problem from a .dd file.
+#include <nlohmann/json.hpp>
+
+#include "analysis/graph_matching/dd_file.h"
+#include "analysis/graph_matching/solve_matching.h"
+#include "cli/commands/commands.h"
+#include "config/text.h"
+
+namespace kinemesh::cli {
+namespace {
+
+struct Arguments {
+  std::string problem;
+  MatchingOptions options;
+};
+
+nlohmann::ordered_json as_json(const std::string& file, const MatchingResult& result) {
+  nlohmann::ordered_json labelling = nlohmann::ordered_json::array();
+  for (const uint32_t right : result.labelling) {
+    right == unmatched ? labelling.push_back(nullptr) : labelling.push_back(right);
+  }
+  return {{"file", file},
+          {"energy", result.energy},
+          {"bound", result.bound},
+          {"labelling", std::move(labelling)},
+          {"iterations", result.iterations},
+          {"branches", result.branches},
+          {"seconds", result.seconds},
+          {"certified", result.certified}};
+}
+
+std::string in_words(const MatchingResult& result) {
+  std::string text =
+      "energy " + format_number(result.energy) + ", bound " + format_number(result.bound) +
+      (result.certified ? ": certified" : ": not certified, the best within the time given") + "; " +
+      format_fixed(1e3 * result.seconds, 1) + " ms\n";
+  std::vector<std::string> matches;
+  for (std::size_t i = 0; i < result.labelling.size(); ++i) {
+    const uint32_t right = result.labelling[i];
+    matches.push_back(std::to_string(i) + "→" +
+                      (right == unmatched ? std::string("–") : std::to_string(right)));
+  }
+  return text + join(matches, " ", " ");
+}
+
+ExitCode run_solve(const Arguments& args, Terminal& terminal) {
+  const MatchingProblem problem = read_dd(args.problem);
+  const MatchingResult result = solve_matching(problem, args.options, terminal.run);
+  terminal.print(terminal.json ? as_json(args.problem, result).dump(2) : in_words(result));
+  return ExitCode::done;
+}
+
+}  // namespace
+
+CommandSpec solve_matching_command() {
+  return {.path = "solve-matching",
+          .summary = "Solve a graph matching problem from a .dd file, with a certificate",
+          .example =
+              "kinemesh solve-matching pair.dd --json\n"
+              "kinemesh solve-matching pair.dd --time-limit 60 --matching-method subgradient",
+          .setup = [](CommandLine& line) -> Action {
+            auto args = std::make_shared<Arguments>();
+            line.positional("FILE", args->problem, "Problem in the .dd format");
+            line.parameters([args](ParameterSet& p) { args->options.declare(p); });
+            line.json_output();
+            return [args](Terminal& terminal) { return run_solve(*args, terminal); };
+          }};
+}
+
+}  // namespace kinemesh::cli
