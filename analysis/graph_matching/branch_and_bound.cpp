@@ -21,8 +21,8 @@ class BranchAndBound {
     const std::size_t size = state_.table().size();
     state_.improve(800'000 + 2000 * size);
     if (state_.stop() || size == 0) return size == 0 ? 0.0 : -infinite;
-    StarRelaxation root(state_.table(),
-                        static_cast<std::size_t>(state_.options().memory_mb) * 500'000 / entry_bytes);
+    StarRelaxation root(state_.table(), static_cast<std::size_t>(state_.options().memory_mb) *
+                                            500'000 / entry_bytes);
     if (!root.usable()) {
       while (!state_.stop()) state_.improve(10'000'000);
       return -infinite;

@@ -90,9 +90,9 @@ class DualDecomposition {
     std::ranges::sort(nodes);
     for (std::size_t x = 0; x < nodes.size(); ++x) {
       for (std::size_t y = x + 1; y < nodes.size(); ++y) {
-        holders_[{nodes[x], nodes[y]}].push_back(
-            {static_cast<uint32_t>(locals_.size()), static_cast<uint32_t>(x),
-             static_cast<uint32_t>(y)});
+        holders_[{nodes[x], nodes[y]}].push_back({static_cast<uint32_t>(locals_.size()),
+                                                  static_cast<uint32_t>(x),
+                                                  static_cast<uint32_t>(y)});
       }
     }
     locals_.emplace_back(table_, std::move(nodes));
@@ -244,8 +244,8 @@ class DualDecomposition {
         const double mean = count / static_cast<double>(holders.size());
         for (const Holder& h : holders) {
           LocalSubproblem& local = locals_[h.local];
-          const bool mine = local.chosen(h.first) == labels.first &&
-                            local.chosen(h.second) == labels.second;
+          const bool mine =
+              local.chosen(h.first) == labels.first && local.chosen(h.second) == labels.second;
           local.pair_cost(h.first, h.second, labels.first, labels.second) +=
               size * ((mine ? 1.0 : 0.0) - mean);
         }

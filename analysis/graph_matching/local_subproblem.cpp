@@ -46,8 +46,7 @@ void LocalSubproblem::search(std::size_t position, double so_far) {
     const uint32_t right = table_.right(labels_[position][label]);
     bool taken = false;
     for (std::size_t earlier = 0; earlier < position; ++earlier) {
-      taken |= now_[earlier] != unmatched &&
-               table_.right(labels_[earlier][now_[earlier]]) == right;
+      taken |= now_[earlier] != unmatched && table_.right(labels_[earlier][now_[earlier]]) == right;
     }
     if (taken) continue;
     now_[position] = static_cast<uint32_t>(label);

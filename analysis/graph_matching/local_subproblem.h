@@ -24,8 +24,8 @@ class LocalSubproblem {
   /// Cost of the pair of labels of two positions, first < second.
   double& pair_cost(std::size_t first, std::size_t second, std::size_t label_of_first,
                     std::size_t label_of_second) {
-    return pairs_[first * max_nodes + second][label_of_first * labels_[second].size() +
-                                              label_of_second];
+    return pairs_[first * max_nodes + second]
+                 [label_of_first * labels_[second].size() + label_of_second];
   }
   std::size_t bytes() const;
 

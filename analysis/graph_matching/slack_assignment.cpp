@@ -45,8 +45,8 @@ void SlackAssignment::start() {
     double least = row_slack_[r];
     uint32_t column = none;
     for (std::size_t k = row_begin_[r]; k < row_begin_[r + 1]; ++k) {
-      if (costs_[k] < least || (costs_[k] == least && column != none &&
-                                row_of_[column] != free_column)) {
+      if (costs_[k] < least ||
+          (costs_[k] == least && column != none && row_of_[column] != free_column)) {
         least = costs_[k];
         column = columns_[k];
       }

@@ -17,12 +17,14 @@ void MatchingOptions::declare(ParameterSet& p) {
   p.number("time-limit", time_limit_s,
            {.unit = "s", .min = 0.001, .max = 1e6, .help = "Stop searching after this long"});
   p.number("gap", gap,
-           {.min = 0.0, .max = 1.0,
+           {.min = 0.0,
+            .max = 1.0,
             .help = "Stop when the bound is this close to the energy, relative to it"});
   p.number("matching-iterations", iterations,
            {.min = 1, .max = 1e9, .help = "Passes over the dual, or subgradient steps, at most"});
   p.number("local-size", local_size,
-           {.min = 2, .max = 5,
+           {.min = 2,
+            .max = 5,
             .help = "Left nodes in each local subproblem of the subgradient method"});
   p.number("bound-memory", memory_mb,
            {.unit = "MB", .min = 1, .max = 1e6, .help = "Memory that the lower bound may use"});

@@ -56,7 +56,8 @@ void StarRelaxation::make_entries(const PairTable& table, std::size_t max_entrie
     }
     near.assign(n * n, 0);
     for (uint32_t a = 0; a < table.size(); ++a) {
-      for (const PairTable::Entry& e : table.row(a)) near[table.left(a) * n + table.left(e.other)] = 1;
+      for (const PairTable::Entry& e : table.row(a))
+        near[table.left(a) * n + table.left(e.other)] = 1;
     }
   }
   begin_.assign(1, 0);
@@ -138,7 +139,8 @@ void StarRelaxation::scatter(uint32_t a, double cutoff) {
     const uint32_t b = other_[e];
     if (row_[b] != none) cost_[e] -= lap_.row_dual(row_index_[e - begin_[a]]);
     if (column_[b] != none) cost_[e] -= lap_.column_dual(column_[b]);
-    if (nonnegative_ && row_[b] != none && row_[a] != none && base + theta_[b] + cost_[e] > cutoff) {
+    if (nonnegative_ && row_[b] != none && row_[a] != none &&
+        base + theta_[b] + cost_[e] > cutoff) {
       cost_[e] = infinite;
       cost_[back_[e]] = infinite;
     }

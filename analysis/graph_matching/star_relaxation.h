@@ -30,9 +30,7 @@ class StarRelaxation {
   bool usable() const { return usable_; }
   std::size_t entries() const { return other_.size(); }
   /// No matching that is left has a smaller energy; minus infinity before the first sweep ends.
-  double bound() const {
-    return nonnegative_ ? bound_ : -std::numeric_limits<double>::infinity();
-  }
+  double bound() const { return nonnegative_ ? bound_ : -std::numeric_limits<double>::infinity(); }
 
   /// One pass over all stars and the master. `cutoff`: only energies below it matter. Returns false
   /// when `stop` asked to end; the bound stays valid.

@@ -16,5 +16,6 @@ CommandSpec geodesics_command();
 CommandSpec formats_command();
 CommandSpec hash_command();
 CommandSpec info_command();
+CommandSpec solve_matching_command();
 
 }  // namespace kinemesh::cli

@@ -32,8 +32,8 @@ nlohmann::ordered_json as_json(const std::string& file, const MatchingResult& re
 std::string in_words(const MatchingResult& result) {
   std::string text =
       "energy " + format_number(result.energy) + ", bound " + format_number(result.bound) +
-      (result.certified ? ": certified" : ": not certified, the best within the time given") + "; " +
-      format_fixed(1e3 * result.seconds, 1) + " ms\n";
+      (result.certified ? ": certified" : ": not certified, the best within the time given") +
+      "; " + format_fixed(1e3 * result.seconds, 1) + " ms\n";
   std::vector<std::string> matches;
   for (std::size_t i = 0; i < result.labelling.size(); ++i) {
     const uint32_t right = result.labelling[i];

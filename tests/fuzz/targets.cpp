@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "analysis/graph_matching/dd_file.h"
 #include "capture/c3d/reader.h"
 #include "capture/c3d/writer.h"
 #include "tests/fuzz/mesh_targets.h"
@@ -49,6 +50,23 @@ Outcome rewrite_c3d_bytes(std::span<const std::byte> bytes) {
   return outcome_of(first);
 }
 
+/// What is read is valid, and can be written and read back.
+Outcome read_dd_bytes(std::span<const std::byte> bytes) {
+  const MatchingProblem problem =
+      parse_dd({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, "mutant.dd");
+  problem.validate();
+  if (parse_dd(format_dd(problem), "again.dd").pairs.size() != problem.pairs.size()) {
+    throw std::logic_error("a matching problem changed on its way through a file");
+  }
+  return Outcome::read;
+}
+
+std::vector<Seed> dd_seeds() {
+  return {{.name = "made-dd",
+           .bytes = "c made\np 2 2 3 1\na 0 0 0 -1.5\na 1 0 1 2e-1\na 2 1 1 -0.25\n"
+                    "n0 0 1\ne 0 2 -1\n"}};
+}
+
 std::vector<Target> make_targets() {
   std::vector<Target> all = {
       {.name = "c3d",
@@ -62,6 +80,12 @@ std::vector<Target> make_targets() {
        .own_seeds = c3d_seeds,
        .payload = {},
        .max_seed_bytes = std::size_t{1} << 19},
+      {.name = "dd",
+       .extensions = {".dd"},
+       .run = read_dd_bytes,
+       .own_seeds = dd_seeds,
+       .payload = {},
+       .max_seed_bytes = std::size_t{1} << 17},
   };
   for (Target& target : session_targets(c3d_seeds)) all.push_back(std::move(target));
   for (Target& target : mesh_targets()) all.push_back(std::move(target));
