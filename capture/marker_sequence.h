@@ -68,6 +68,15 @@ struct AnalogData {
   Buffer<float> values;  ///< (frames × samples_per_frame) × channels, in each channel's unit
 };
 
+/// Rotations of segments (C3D group ROTATION), kept for writing back. Each is 17 numbers: a 4 × 4
+/// matrix, column by column, and its reliability, -1 where it was not measured. Translations are
+/// in the file's length unit.
+struct RotationData {
+  std::size_t count = 0;  ///< rotations a sample
+  std::size_t samples_per_frame = 0;
+  Buffer<float> values;  ///< (frames × samples_per_frame) × count × 17
+};
+
 /// Numeric formats and byte orders of C3D files.
 enum class Processor : uint8_t { intel, dec, sgi };
 enum class Storage : uint8_t { integer, real };
@@ -138,7 +147,7 @@ class MarkerSequence {
   }
 
   /// The chosen markers (indices into markers(), any order) of all frames, with events, rate and
-  /// origin; analog data, unlabelled points and parameters stay behind.
+  /// origin; analog data, rotations, unlabelled points and parameters stay behind.
   MarkerSequence select(std::span<const std::size_t> chosen) const;
 
   double rate_hz = 0.0;
@@ -146,6 +155,7 @@ class MarkerSequence {
   std::vector<Event> events;
   UnlabelledPoints unlabelled;
   AnalogData analog;
+  RotationData rotations;
   Origin origin;
   C3dParameters parameters;  ///< every parameter of the file, kept for writing back
 

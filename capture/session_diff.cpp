@@ -63,6 +63,7 @@ class Comparison {
     compare_markers();
     compare_events();
     compare_analog();
+    compare_rotations();
     if (options_.parameters) compare_parameters();
     return std::move(result_);
   }
@@ -295,6 +296,53 @@ class Comparison {
     }
   }
 
+  /// Rotations by their numbers; where one was not measured (reliability -1) by that alone.
+  void compare_rotations() {
+    const RotationData& x = a_.rotations;
+    const RotationData& y = b_.rotations;
+    if (x.count != y.count || x.samples_per_frame != y.samples_per_frame) {
+      add(DifferenceKind::rotation, "",
+          count_of(x.count, "rotation") + " of " + count_of(x.samples_per_frame, "sample") +
+              " a frame in A, " + std::to_string(y.count) + " of " +
+              std::to_string(y.samples_per_frame) + " in B");
+      return;
+    }
+    const std::size_t numbers = 17;
+    const std::size_t row = x.count * x.samples_per_frame * numbers;
+    for (std::size_t r = 0; r < x.count; ++r) {
+      Tally tally;
+      for (int64_t frame = begin_; frame < end_; ++frame) {
+        const auto f = static_cast<std::size_t>(frame - a_.first_frame) * row;
+        const auto g = static_cast<std::size_t>(frame - b_.first_frame) * row;
+        for (std::size_t s = 0; s < x.samples_per_frame; ++s) {
+          const std::size_t at = (s * x.count + r) * numbers;
+          const double apart =
+              rotation_distance(x.values.data() + f + at, y.values.data() + g + at);
+          if (!(apart <= 1e-6)) tally.add(static_cast<std::size_t>(frame), apart);
+        }
+      }
+      if (tally.count == 0) continue;
+      add(DifferenceKind::rotation, "rotation " + std::to_string(r + 1),
+          "it differs by up to " + rounded(tally.largest) + " in one of its numbers (frame " +
+              std::to_string(tally.frame) + "), in " + count_of(tally.count, "sample"),
+          tally.count, tally.largest, static_cast<int64_t>(tally.frame));
+    }
+  }
+
+  static double rotation_distance(const float* x, const float* y) {
+    const bool missing = x[16] < 0.0F;
+    if (missing != (y[16] < 0.0F)) return 1.0;
+    double largest = 0.0;
+    for (std::size_t k = missing ? 16 : 0; k < 17; ++k) {
+      const bool both_nan = std::isnan(x[k]) && std::isnan(y[k]);
+      if (!both_nan)
+        largest =
+            std::max(largest, std::abs(static_cast<double>(x[k]) - static_cast<double>(y[k])));
+      if (!both_nan && std::isnan(x[k]) != std::isnan(y[k])) return 1.0;
+    }
+    return largest;
+  }
+
   void compare_parameters() {
     const auto only = [this](const C3dParameters& x, const C3dParameters& y, const char* where) {
       for (const C3dGroup& g : x.groups) {
@@ -385,6 +433,7 @@ std::string_view name_of(DifferenceKind kind) {
     case DifferenceKind::camera_mask: return "camera_mask";
     case DifferenceKind::event: return "event";
     case DifferenceKind::analog: return "analog";
+    case DifferenceKind::rotation: return "rotation";
     case DifferenceKind::parameter: return "parameter";
   }
   return "frames";

@@ -33,6 +33,7 @@ enum class DifferenceKind : uint8_t {
   camera_mask,
   event,
   analog,
+  rotation,
   parameter
 };
 /// "frames", "rate", "marker", …: the words of the JSON output.

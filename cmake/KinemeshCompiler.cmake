@@ -11,6 +11,13 @@ target_compile_options(kinemesh_compiler INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Werror
   -Wno-missing-field-initializers -ffp-contract=off
   -Wno-restrict)  # gcc 12 reports false ones in std::string (GCC bug 105651)
+if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")  # the fuzz preset; warnings are judged by gcc
+  target_compile_options(kinemesh_compiler INTERFACE -Wno-error -Wno-unknown-warning-option)
+endif()
+if(KINEMESH_FUZZ)
+  target_compile_options(kinemesh_compiler INTERFACE -fsanitize=fuzzer-no-link)
+  target_link_options(kinemesh_compiler INTERFACE -fsanitize=fuzzer-no-link)
+endif()
 if(KINEMESH_SANITIZE)
   target_compile_options(kinemesh_compiler INTERFACE
     -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer

@@ -3,87 +3,13 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "capture/c3d/ezc3d_process.h"
-#include "capture/c3d/ezc3d_reader.h"
 #include "capture/c3d/lint.h"
-#include "capture/session_diff.h"
+#include "capture/c3d/second_opinion.h"
 #include "config/error.h"
 #include "config/text.h"
 
 namespace kinemesh {
 namespace {
-
-bool has(const std::vector<C3dFinding>& findings, std::string_view code) {
-  return std::ranges::any_of(findings, [&](const C3dFinding& f) { return f.code == code; });
-}
-
-/// Why ezc3d is known to be wrong where it differs in this way; empty when it is not known.
-std::string known_fault(const Difference& difference, const std::vector<C3dFinding>& findings) {
-  switch (difference.kind) {
-    case DifferenceKind::residual:
-    case DifferenceKind::camera_mask: return "ezc3d exchanges residual and camera mask";
-    case DifferenceKind::position:
-    case DifferenceKind::validity:
-      if (has(findings, "C3D409") || has(findings, "C3D410")) {
-        return "ezc3d does not know 65535 as the mark of a gap";
-      }
-      return "";
-    case DifferenceKind::analog:
-      if (has(findings, "C3D503")) return "ezc3d takes unsigned offsets as signed";
-      return "";
-    default: return "";
-  }
-}
-
-/// Differences of one kind are one finding: which markers, and the largest of them.
-struct Group {
-  std::string fault;
-  Difference largest;
-  std::vector<std::string> places;
-};
-
-void add_differences(const SessionDiffResult& diff, C3dCheckResult& result) {
-  std::vector<std::pair<DifferenceKind, Group>> groups;
-  for (const Difference& d : diff.differences) {
-    const std::string fault = known_fault(d, result.findings);
-    auto it = std::ranges::find_if(
-        groups, [&](const auto& g) { return g.first == d.kind && g.second.fault == fault; });
-    if (it == groups.end()) {
-      groups.push_back({d.kind, {fault, d, {}}});
-      it = std::prev(groups.end());
-    }
-    it->second.places.push_back(d.place);
-    if (d.largest > it->second.largest.largest) it->second.largest = d;
-  }
-  for (const auto& [kind, group] : groups) {
-    const std::size_t more = group.places.size() - 1;
-    std::string message = "with Kinemesh as A and ezc3d as B, " + group.largest.message;
-    if (more > 0) {
-      message +=
-          "; likewise " + count_of(more, "more marker or channel", "more markers or channels");
-    }
-    if (!group.fault.empty()) message += "; ezc3d is wrong: " + group.fault;
-    if (group.fault.empty()) result.second_opinion = SecondOpinion::differs;
-    result.findings.push_back(
-        c3d_finding(group.fault.empty() ? "C3D803" : "C3D802", message, group.largest.place));
-  }
-}
-
-void ask_ezc3d(const std::filesystem::path& path, const C3dCheckOptions& options,
-               const C3dReadResult& own, C3dCheckResult& result, const RunContext& ctx) {
-  if (const std::string unsuited = ezc3d_refusal(own); !unsuited.empty()) {
-    result.findings.push_back(c3d_finding("C3D801", "ezc3d was not asked: " + unsuited, ""));
-    return;
-  }
-  C3dReadResult other{.take = own.take, .header = own.header, .layout = own.layout};
-  const std::string why = reread_with_ezc3d_apart(path, options.read.c3d, other, ctx);
-  if (!why.empty()) {
-    result.second_opinion = SecondOpinion::refused;
-    result.findings.push_back(c3d_finding("C3D804", why, ""));
-    return;
-  }
-  compare_readers(own.take, other.take, result, ctx);
-}
 
 void check_c3d(const std::filesystem::path& path, const C3dCheckOptions& options,
                C3dCheckResult& result, const RunContext& ctx) {
@@ -95,7 +21,7 @@ void check_c3d(const std::filesystem::path& path, const C3dCheckOptions& options
   for (C3dFinding& f : lint_session(own.take, &own.layout, ctx)) {
     result.findings.push_back(std::move(f));
   }
-  if (options.second_opinion) ask_ezc3d(path, options, own, result, ctx);
+  if (options.second_opinion) ask_ezc3d(path, options.read.c3d, own, result, ctx);
 }
 
 std::string headline(const C3dCheckResult& result) {
@@ -148,14 +74,6 @@ C3dCheckResult check_session(const std::filesystem::path& path, const C3dCheckOp
     result.findings.push_back(std::move(finding));
   }
   return result;
-}
-
-void compare_readers(const MarkerSequence& own, const MarkerSequence& other, C3dCheckResult& result,
-                     const RunContext& ctx) {
-  result.second_opinion = SecondOpinion::agrees;
-  SessionDiffOptions diff;
-  diff.parameters = false;
-  add_differences(diff_sessions(own, other, diff, ctx), result);
 }
 
 std::string check_text(const C3dCheckResult& result) {

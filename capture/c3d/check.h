@@ -45,11 +45,6 @@ struct C3dCheckResult {
 C3dCheckResult check_session(const std::filesystem::path& path, const C3dCheckOptions& options = {},
                              const RunContext& ctx = {});
 
-/// Adds what another reader of the same file reads differently to `result` (C3D802 and C3D803, one
-/// finding for each kind of difference) and sets its second opinion.
-void compare_readers(const MarkerSequence& own, const MarkerSequence& other, C3dCheckResult& result,
-                     const RunContext& ctx = {});
-
 /// For a person: one heading a file, one line a finding, and what to do about it.
 std::string check_text(const C3dCheckResult& result);
 /// The document that docs/c3d.md describes.

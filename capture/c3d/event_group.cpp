@@ -20,12 +20,13 @@ std::string numbered(const char* name, std::size_t part) {
 /// Seconds of every event: EVENT:TIMES holds pairs of minutes and seconds, some files only seconds.
 std::vector<double> event_times(const C3dParameters& tree) {
   std::vector<double> times;
+  const auto used = first_count(tree, "EVENT", "USED");
   for (std::size_t part = 0; part < 256; ++part) {
     const C3dParameter* p = tree.find("EVENT", numbered("TIMES", part));
     if (p == nullptr) break;
     const bool pairs = p->dimensions.size() >= 2
                            ? p->dimensions[0] == 2
-                           : p->numbers.size() % 2 == 0 && p->dimensions.empty();
+                           : used && *used > 0 && p->numbers.size() == 2 * *used;
     if (pairs) {
       for (std::size_t i = 0; i + 1 < p->numbers.size(); i += 2)
         times.push_back(60.0 * p->numbers[i] + p->numbers[i + 1]);

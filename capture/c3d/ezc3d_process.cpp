@@ -9,6 +9,8 @@
 #include <cstring>
 #include <fstream>
 #include <new>
+#include <nlohmann/json.hpp>
+#include <span>
 
 #include "capture/c3d/ezc3d_reader.h"
 #include "config/error.h"
@@ -20,15 +22,60 @@ constexpr std::size_t reason_bytes = 1024;
 constexpr int exit_done = 0;
 constexpr int exit_refused = 1;
 constexpr int exit_memory = 2;
+constexpr std::size_t head_bytes = std::size_t{64} << 20;  // address space; used as needed
 
-/// Memory that parent and child share: a reason, then the arrays of a take one after the other.
+using Json = nlohmann::json;
+
+Json json_of(const C3dParameter& p) {
+  return {p.name,       p.description, p.locked,    static_cast<int>(p.type),
+          p.dimensions, p.numbers,     p.characters};
+}
+
+std::vector<uint8_t> packed(const Ezc3dHead& head) {
+  Json groups = Json::array();
+  for (const C3dGroup& g : head.parameters.groups) {
+    Json parameters = Json::array();
+    for (const C3dParameter& p : g.parameters) parameters.push_back(json_of(p));
+    groups.push_back({g.name, g.description, g.locked, std::move(parameters)});
+  }
+  Json events = Json::array();
+  for (const C3dHeaderEvent& e : head.header_events) events.push_back({e.label, e.time_s});
+  return Json::to_cbor(Json{std::move(groups), std::move(events), head.first_frame, head.rate_hz});
+}
+
+Ezc3dHead unpacked(std::span<const uint8_t> bytes) {
+  const Json all = Json::from_cbor(bytes.begin(), bytes.end());
+  Ezc3dHead head;
+  for (const Json& g : all[0]) {
+    C3dGroup group{.name = g[0], .description = g[1], .locked = g[2]};
+    for (const Json& p : g[3]) {
+      group.parameters.push_back({.name = p[0],
+                                  .description = p[1],
+                                  .locked = p[2],
+                                  .type = static_cast<C3dType>(p[3].get<int>()),
+                                  .dimensions = p[4].get<std::vector<uint8_t>>(),
+                                  .numbers = p[5].get<std::vector<double>>(),
+                                  .characters = p[6]});
+    }
+    head.parameters.groups.push_back(std::move(group));
+  }
+  for (const Json& e : all[1]) head.header_events.push_back({.label = e[0], .time_s = e[1]});
+  head.first_frame = all[2];
+  head.rate_hz = all[3];
+  return head;
+}
+
+/// Memory that parent and child share: a reason, the arrays of a take one after the other, and the
+/// head behind its length.
 class SharedArrays {
  public:
   explicit SharedArrays(MarkerSequence& take) : take_(take) {
     const std::size_t samples = take.sample_count();
     size_ = reason_bytes + samples * (3 * sizeof(float) + sizeof(float) + 2) +
-            take.analog.values.size() * sizeof(float);
-    memory_ = ::mmap(nullptr, size_, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+            (take.analog.values.size() + take.rotations.values.size()) * sizeof(float);
+    size_ = (size_ + 7) / 8 * 8 + sizeof(uint64_t) + head_bytes;
+    memory_ = ::mmap(nullptr, size_, PROT_READ | PROT_WRITE,
+                     MAP_SHARED | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (memory_ == MAP_FAILED) throw std::bad_alloc();
   }
   SharedArrays(const SharedArrays&) = delete;
@@ -36,10 +83,24 @@ class SharedArrays {
   ~SharedArrays() { ::munmap(memory_, size_); }
 
   char* reason() { return static_cast<char*>(memory_); }
-  void store() { copy(true); }
-  void load() { copy(false); }
+  void store(const Ezc3dHead& head) {
+    const std::vector<uint8_t> bytes = packed(head);
+    if (bytes.size() > head_bytes) throw std::bad_alloc();
+    const uint64_t size = bytes.size();
+    std::memcpy(head_at(), &size, sizeof size);
+    std::memcpy(head_at() + sizeof size, bytes.data(), bytes.size());
+    copy(true);
+  }
+  Ezc3dHead load() {
+    copy(false);
+    uint64_t size = 0;
+    std::memcpy(&size, head_at(), sizeof size);
+    const auto* bytes = reinterpret_cast<const uint8_t*>(head_at() + sizeof size);
+    return unpacked({bytes, std::min<std::size_t>(size, head_bytes)});
+  }
 
  private:
+  char* head_at() { return static_cast<char*>(memory_) + size_ - head_bytes - sizeof(uint64_t); }
   void copy(bool store) {
     char* at = static_cast<char*>(memory_) + reason_bytes;
     const auto one = [&at, store](auto array) {
@@ -54,6 +115,7 @@ class SharedArrays {
     one(take_.positions());
     one(take_.residuals());
     one(take_.analog.values.span());
+    one(take_.rotations.values.span());
     one(take_.flags());
     one(take_.camera_masks());
   }
@@ -85,8 +147,9 @@ void limit_child(std::size_t file_bytes) {
   int code = exit_done;
   try {
     limit_child(result.layout.file_bytes);
-    reread_with_ezc3d(path, options, result, true);
-    shared.store();
+    Ezc3dHead head;
+    read_with_ezc3d(path, options, result, head);
+    shared.store(head);
   } catch (const Error& e) {
     std::strncpy(shared.reason(), e.details().what.c_str(), reason_bytes - 1);
     code = exit_refused;
@@ -116,9 +179,8 @@ std::string reason_of(int status, SharedArrays& shared) {
 
 }  // namespace
 
-std::string reread_with_ezc3d_apart(const std::filesystem::path& path,
-                                    const C3dReadOptions& options, C3dReadResult& result,
-                                    const RunContext& ctx) {
+std::string read_with_ezc3d_apart(const std::filesystem::path& path, const C3dReadOptions& options,
+                                  C3dReadResult& result, Ezc3dHead& head, const RunContext& ctx) {
   SharedArrays shared(result.take);
   const pid_t child = ::fork();
   if (child < 0) return "no process could be started for ezc3d";
@@ -133,8 +195,21 @@ std::string reread_with_ezc3d_apart(const std::filesystem::path& path,
     ::usleep(2000);
   }
   std::string reason = reason_of(status, shared);
-  if (reason.empty()) shared.load();
+  if (reason.empty()) head = shared.load();
   return reason;
+}
+
+void reread_with_ezc3d(const std::filesystem::path& path, const C3dReadOptions& options,
+                       C3dReadResult& result, const RunContext& ctx) {
+  Ezc3dHead head;
+  std::string why = ezc3d_refusal(result);
+  if (!why.empty()) why = "ezc3d cannot read it: " + why;
+  if (why.empty()) why = read_with_ezc3d_apart(path, options, result, head, ctx);
+  if (!why.empty()) {
+    throw InputError({.what = why, .file = path.string(), .remedy = "Leave out --reader ezc3d"});
+  }
+  std::ranges::fill(result.take.residuals(), 0.0F);
+  std::ranges::fill(result.take.camera_masks(), uint8_t{0});
 }
 
 }  // namespace kinemesh

@@ -62,8 +62,10 @@ struct C3dLayout {
   uint64_t declared_frames = 0;  ///< what the file claims; more than `frames` when truncated
   int64_t first_frame = 1;
   double rate_hz = 0.0;
-  bool analog_unsigned = false;  ///< integer samples are unsigned 16-bit
-  uint64_t rotations = 0;        ///< rotation channels; their data is not points
+  bool analog_unsigned = false;   ///< integer samples are unsigned 16-bit
+  uint64_t rotations = 0;         ///< a sample, of group ROTATION; their data are not points
+  uint64_t rotation_samples = 0;  ///< per frame
+  uint64_t rotation_frames = 0;   ///< that are complete in the file
   uint64_t rotations_begin = 0;
   std::vector<C3dParameterPlace> places;
 };

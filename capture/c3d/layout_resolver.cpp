@@ -7,6 +7,7 @@
 #include "capture/c3d/header_block.h"
 #include "capture/c3d/number_format.h"
 #include "capture/c3d/parameter_access.h"
+#include "capture/c3d/rotations.h"
 #include "config/text.h"
 
 namespace kinemesh {
@@ -79,8 +80,18 @@ void find_rate(const C3dHead& head, C3dLayout& layout, std::vector<C3dFinding>& 
   const auto header =
       usable_rate(std::isfinite(head.header.rate_hz) ? std::optional<double>(head.header.rate_hz)
                                                      : std::nullopt);
-  layout.rate_hz = named.value_or(header.value_or(1.0));
-  if (!named && !header) {
+  // Files of analog data alone may give no other rate.
+  const auto analog = usable_rate(first_number(head.parameters, "ANALOG", "RATE"));
+  const uint16_t samples = head.header.analog_samples;
+  const auto derived = analog && samples > 0 ? std::optional<double>(*analog / samples) : analog;
+  layout.rate_hz = named.value_or(header.value_or(derived.value_or(1.0)));
+  if (!named && !header && derived) {
+    findings.push_back(c3d_finding("C3D306",
+                                   "neither header nor POINT:RATE gives a frame rate; ANALOG:RATE "
+                                   "makes it " +
+                                       format_number(*derived) + " Hz",
+                                   parameter_place("POINT:RATE")));
+  } else if (!named && !header) {
     findings.push_back(c3d_finding("C3D316", "neither header nor POINT:RATE gives a frame rate",
                                    parameter_place("POINT:RATE")));
   } else if (!named && head.section_end != 0) {
@@ -141,6 +152,13 @@ Candidates<uint64_t> data_begins(const C3dHead& head, std::vector<C3dFinding>& f
   };
   add(head.header.data_block, "the header");
   add(first_count(head.parameters, "POINT", "DATA_START").value_or(0), "POINT:DATA_START");
+  if (head.header.data_block == 0 && !c.all.empty()) {
+    findings.push_back(c3d_finding("C3D303",
+                                   "the header does not say where the data begin; POINT:DATA_START "
+                                   "says byte " +
+                                       std::to_string(c.all.front().value),
+                                   "byte " + std::to_string(head.leading + 16)));
+  }
   const uint64_t size = head.source.size();
   const auto outside = [&](const auto& e) { return e.value > size; };
   for (const auto& e : c.all) {
@@ -189,6 +207,8 @@ Candidates<AnalogShape> analog_shapes(const C3dHead& head, double rate) {
   }();
   if (used != 0 && used * samples == total) {
     c.add(header, "the header");
+    // Channels that the header knows nothing of are there only if nothing else fits.
+    if (total == 0 && ratio != 0) c.add(shape(used, ratio), "ANALOG:USED and ANALOG:RATE");
     return c;
   }
   if (named && samples != 0) {
@@ -214,8 +234,10 @@ Candidates<uint64_t> frame_counts(const C3dHead& head) {
   // A header that saturates at 65535 knows less than a real-valued POINT:FRAMES.
   if (named && *named > 65535) c.add(named, "POINT:FRAMES");
   if (h.last_frame >= h.first_frame && h.last_frame > 0) {
-    c.add(h.last_frame - h.first_frame + 1, "the header");
-    if (h.first_frame == 0) c.add(h.last_frame, "the header");
+    // With a first frame of 0, some count from 0 and others mean 1.
+    const bool from_one = h.first_frame == 0 && named && *named == h.last_frame;
+    c.add(h.last_frame - h.first_frame + (from_one ? 0 : 1), "the header");
+    if (h.first_frame == 0 && !named) c.add(h.last_frame, "the header");
   }
   c.add(named, "POINT:FRAMES");
   return c;
@@ -246,10 +268,17 @@ Answer best_fit(const Question& q, uint64_t file_bytes) {
   return best;
 }
 
-/// Complete frames up to the end of the file, without those that are zero padding of its last
+/// The points end with the file, or where rotations begin.
+uint64_t points_end(const C3dLayout& layout) {
+  const bool behind = layout.rotations > 0 && layout.rotations_begin < layout.file_bytes &&
+                      layout.rotations_begin > layout.parameters_end;
+  return behind ? layout.rotations_begin : layout.file_bytes;
+}
+
+/// Complete frames up to `size`, without those that are zero padding of its last
 /// block.
-uint64_t frames_to_the_end(const ByteSource& source, uint64_t begin, uint64_t frame_bytes) {
-  const uint64_t size = source.size();
+uint64_t frames_to_the_end(const ByteSource& source, uint64_t begin, uint64_t size,
+                           uint64_t frame_bytes) {
   if (frame_bytes == 0 || begin >= size) return 0;
   const uint64_t tail = std::min<uint64_t>(c3d_block - 1, size - begin);
   const std::vector<std::byte> last = source.bytes_at(size - tail, tail);
@@ -261,14 +290,14 @@ uint64_t frames_to_the_end(const ByteSource& source, uint64_t begin, uint64_t fr
 
 /// Counts that were cut to 16 bits, by saturation or by wrapping, are replaced by what the file
 /// holds.
-void mend_saturated_count(const C3dHead& head, Question& q, Answer& a,
+void mend_saturated_count(const C3dHead& head, uint64_t end, Question& q, Answer& a,
                           std::vector<C3dFinding>& findings) {
   const uint64_t declared = q.frames.all[a.frames].value;
-  if (misfit(q, a, head.source.size()) != 1 || declared > 65'536) return;
+  if (misfit(q, a, end) != 1 || declared > 65'536) return;
   const uint64_t begin = q.data_begin.all[a.data_begin].value;
   const uint64_t frame = frame_bytes_of(q.points.all[a.points].value, q.analog.all[a.analog].value,
                                         q.scale.all[a.scale].value);
-  const uint64_t held = frames_to_the_end(head.source, begin, frame);
+  const uint64_t held = frames_to_the_end(head.source, begin, end, frame);
   const bool saturated = declared >= 65'535 || head.header.last_frame == 65'535;
   const bool wrapped = held > declared && (held - declared) % 65'536 == 0;
   if (declared != 0 && ((!saturated && !wrapped) || held <= declared)) return;
@@ -356,24 +385,13 @@ int64_t first_frame_of(const C3dHead& head, uint64_t frames, std::vector<C3dFind
   return head.header.first_frame;
 }
 
-void find_rotations(const C3dHead& head, C3dLayout& layout, std::vector<C3dFinding>& findings) {
-  const uint64_t used = first_count(head.parameters, "ROTATION", "USED").value_or(0);
-  const uint64_t block = first_count(head.parameters, "ROTATION", "DATA_START").value_or(0);
-  if (used == 0 || block == 0) return;
-  const uint64_t ratio =
-      std::max<uint64_t>(1, first_count(head.parameters, "ROTATION", "RATIO").value_or(1));
-  layout.rotations = used * ratio;
-  layout.rotations_begin = head.leading + (block - 1) * c3d_block;
-  findings.push_back(
-      c3d_finding("C3D315", std::to_string(used) + " rotations", parameter_place("ROTATION:USED")));
-}
-
 void count_frames(const C3dHead& head, C3dLayout& layout, std::vector<C3dFinding>& findings) {
-  constexpr uint64_t rotation_bytes = 17 * 4;
   const uint64_t size = head.source.size();
   const bool only_rotations = layout.frame_bytes == 0;
   const uint64_t begin = only_rotations ? layout.rotations_begin : layout.data_begin;
-  const uint64_t frame = only_rotations ? layout.rotations * rotation_bytes : layout.frame_bytes;
+  const uint64_t frame = only_rotations
+                             ? layout.rotations * layout.rotation_samples * rotation_bytes
+                             : layout.frame_bytes;
   const uint64_t held = frame == 0 || begin >= size ? 0 : (size - begin) / frame;
   layout.frames = std::min(layout.declared_frames, held);
   if (layout.frames < layout.declared_frames && (frame != 0 || layout.declared_frames > 0)) {
@@ -395,10 +413,14 @@ void count_frames(const C3dHead& head, C3dLayout& layout, std::vector<C3dFinding
 void note_missing_counts(const C3dHead& head, std::vector<C3dFinding>& findings) {
   if (head.section_end == 0) return;
   std::vector<std::string> missing;
-  if (!first_count(head.parameters, "POINT", "USED")) missing.emplace_back("POINT:USED");
-  if (!head.parameters.find("POINT", "FRAMES")) missing.emplace_back("POINT:FRAMES");
+  if (head.header.points != 0 && !first_count(head.parameters, "POINT", "USED"))
+    missing.emplace_back("POINT:USED");
   if (head.header.analog_per_frame != 0 && !first_count(head.parameters, "ANALOG", "USED")) {
     missing.emplace_back("ANALOG:USED");
+  }
+  if (!head.parameters.find("POINT", "FRAMES")) {
+    findings.push_back(
+        c3d_finding("C3D320", "there is no POINT:FRAMES", parameter_place("POINT:FRAMES")));
   }
   for (const std::string& name : missing) {
     findings.push_back(c3d_finding("C3D318", "there is no " + name, "parameter " + name));
@@ -415,6 +437,7 @@ C3dLayout resolve_layout(const C3dHead& head, std::vector<C3dFinding>& findings)
   layout.parameters_end = head.section_end;
   layout.processor = head.processor;
   find_rate(head, layout, findings);
+  find_rotations(head, layout);
   note_missing_counts(head, findings);
   Question q{.data_begin = data_begins(head, findings),
              .points = point_counts(head),
@@ -422,8 +445,9 @@ C3dLayout resolve_layout(const C3dHead& head, std::vector<C3dFinding>& findings)
              .scale = scales(head, findings),
              .frames = frame_counts(head)};
   q.frames.add(q.frames.all.empty() ? std::optional<uint64_t>(0) : std::nullopt, "nothing");
-  Answer a = best_fit(q, layout.file_bytes);
-  mend_saturated_count(head, q, a, findings);
+  const uint64_t end = points_end(layout);
+  Answer a = best_fit(q, end);
+  mend_saturated_count(head, end, q, a, findings);
   report(q, a, head.section_end != 0, head.header.last_frame, findings);
 
   layout.data_begin = q.data_begin.all[a.data_begin].value;
@@ -444,8 +468,8 @@ C3dLayout resolve_layout(const C3dHead& head, std::vector<C3dFinding>& findings)
                                        std::to_string(layout.file_bytes),
                                    "byte 16"));
   }
-  find_rotations(head, layout, findings);
   count_frames(head, layout, findings);
+  settle_rotations(layout, findings);
   if (layout.points == 0) {
     findings.push_back(
         c3d_finding("C3D314", "the file has no points", parameter_place("POINT:USED")));

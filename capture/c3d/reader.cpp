@@ -6,7 +6,7 @@
 #include "capture/c3d/analog_table.h"
 #include "capture/c3d/byte_source.h"
 #include "capture/c3d/event_group.h"
-#include "capture/c3d/ezc3d_reader.h"
+#include "capture/c3d/ezc3d_process.h"
 #include "capture/c3d/header_block.h"
 #include "capture/c3d/layout_resolver.h"
 #include "capture/c3d/number_format.h"
@@ -14,6 +14,7 @@
 #include "capture/c3d/parameter_section.h"
 #include "capture/c3d/point_decode.h"
 #include "capture/c3d/point_table.h"
+#include "capture/c3d/rotations.h"
 #include "config/error.h"
 #include "config/text.h"
 
@@ -351,7 +352,10 @@ C3dReadResult read_source(const ByteSource& source, const C3dReadOptions& option
       decode_event_list(result.take.parameters, result.header.events, result.findings);
   note_stray_events(result);
   note_subjects(result.take.parameters, result.findings);
-  if (with_data) decode_data(blocks, analog, table, options, ctx, result);
+  if (with_data) {
+    decode_data(blocks, analog, table, options, ctx, result);
+    read_rotations(source, layout, result.take);
+  }
   ctx.progress(1.0);
   return result;
 }
@@ -385,7 +389,7 @@ C3dReadResult read_c3d(const std::filesystem::path& path, const C3dReadOptions& 
                        const RunContext& ctx) {
   const FileSource source(path);
   C3dReadResult result = read_source(source, options, true, ctx);
-  if (options.reader == C3dReader::ezc3d) reread_with_ezc3d(path, options, result);
+  if (options.reader == C3dReader::ezc3d) reread_with_ezc3d(path, options, result, ctx);
   return result;
 }
 

@@ -8,6 +8,7 @@
 
 #include "capture/c3d/header_block.h"
 #include "capture/c3d/number_format.h"
+#include "capture/c3d/rotations.h"
 #include "capture/c3d/write_plan.h"
 #include "capture/c3d/writer.h"
 #include "config/error.h"
@@ -54,6 +55,8 @@ const std::map<std::string_view, std::string_view>& deeds() {
       {"C3D312", "the number of frames was written to POINT:LONG_FRAMES and the TRIAL group"},
       {"C3D317", "the pointers to the data were corrected"},
       {"C3D318", "the missing counts were added"},
+      {"C3D319", "missing rotations were marked as not measured, or the group as empty"},
+      {"C3D320", "the missing count was added"},
       {"C3D401", "the missing labels were added"},
       {"C3D406", "the text was converted to UTF-8"},
       {"C3D408", "these samples were marked as gaps"},
@@ -123,28 +126,24 @@ std::string data_section(std::string_view bytes, const C3dReadResult& read) {
   const C3dLayout& layout = read.layout;
   const std::size_t begin = std::min<std::size_t>(layout.data_begin, bytes.size());
   const bool cut_off = layout.frames < layout.declared_frames && layout.frame_bytes > 0;
+  const bool rotations = !read.take.rotations.values.empty();
   const std::size_t end =
-      cut_off ? std::min<std::size_t>(layout.data_end, bytes.size()) : bytes.size();
+      cut_off || rotations ? std::min<std::size_t>(layout.data_end, bytes.size()) : bytes.size();
   std::string data(bytes.substr(begin, std::max(begin, end) - begin));
   data.resize((data.size() + c3d_block - 1) / c3d_block * c3d_block, '\0');
+  // Rotations follow in the next block, wherever they were; DATA_START says so.
+  const auto append = [&](const void* from, std::size_t count) {
+    data.append(static_cast<const char*>(from), count);
+  };
+  if (rotations) write_rotations(read.take.rotations, layout.processor, append);
   return data;
 }
 
-/// The plan for header and parameters. Rotations lie behind the points and move with them.
+/// The plan for header and parameters.
 C3dWritePlan plan_repair(const C3dReadResult& read) {
   C3dWriteOptions same;
   same.scale = std::abs(read.layout.scale);
-  C3dWritePlan plan = plan_c3d(read.take, same);
-  const C3dLayout& layout = read.layout;
-  if (layout.rotations == 0 || layout.rotations_begin < layout.data_begin) return plan;
-  const std::size_t blocks_behind = (layout.rotations_begin - layout.data_begin) / c3d_block;
-  C3dReadResult moved{.take = read.take};
-  if (C3dParameter* start = moved.take.parameters.find("ROTATION", "DATA_START");
-      start != nullptr && !start->numbers.empty()) {
-    start->numbers[0] = static_cast<double>(plan.header.data_block + blocks_behind);
-    plan = plan_c3d(moved.take, same);
-  }
-  return plan;
+  return plan_c3d(read.take, same);
 }
 
 bool same_bits(float a, float b) { return std::memcmp(&a, &b, sizeof a) == 0; }
@@ -171,6 +170,10 @@ std::size_t count_changes(const MarkerSequence& a, const MarkerSequence& b) {
   const Buffer<float>& y = b.analog.values;
   if (x.size() != y.size()) return changed + std::max(x.size(), y.size());
   for (std::size_t i = 0; i < x.size(); ++i) changed += same_bits(x[i], y[i]) ? 0 : 1;
+  const Buffer<float>& r = a.rotations.values;
+  const Buffer<float>& s = b.rotations.values;
+  if (r.size() != s.size()) return changed + std::max(r.size(), s.size());
+  for (std::size_t i = 0; i < r.size(); ++i) changed += same_bits(r[i], s[i]) ? 0 : 1;
   return changed;
 }
 

@@ -112,6 +112,7 @@ C3dSummary summarise(const MarkerSequence& take, const C3dLayout* layout,
     const double millimetres = millimetres_per(take.origin.unit).value_or(1.0);
     s.scale = layout->storage == Storage::integer ? std::abs(layout->scale) * millimetres : 0.0;
   }
+  s.rotations = take.rotations.count;
   s.analog_channels = take.analog.channels.size();
   s.analog_rate_hz = s.analog_channels > 0 ? take.analog.rate_hz : 0.0;
   for (const AnalogData::Channel& c : take.analog.channels) s.analog_labels.push_back(c.label);
@@ -158,6 +159,7 @@ std::string summary_text(const C3dSummary& s) {
                      : count_of(s.analog_channels, "channel") + " at " +
                            format_number(std::round(s.analog_rate_hz * 1e4) / 1e4) + " Hz"},
       {"Stored as", stored_as(s)}};
+  if (s.rotations > 0) rows.push_back({"Rotations", std::to_string(s.rotations)});
   if (s.marker_samples > 0) {
     const double share =
         100.0 * static_cast<double>(s.missing_samples) / static_cast<double>(s.marker_samples);
@@ -199,6 +201,7 @@ std::string summary_json(const C3dSummary& s) {
                {"analog_channels", s.analog_channels},
                {"analog_rate_hz", s.analog_rate_hz},
                {"analog_labels", s.analog_labels},
+               {"rotations", s.rotations},
                {"missing_samples", s.missing_samples},
                {"marker_samples", s.marker_samples},
                {"events", Json::array()},

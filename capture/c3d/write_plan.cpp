@@ -77,25 +77,71 @@ void plan_point_group(const MarkerSequence& take, C3dWritePlan& plan) {
   screen("Y_SCREEN", take.origin.y_screen);
 }
 
-/// Rotations are no part of a MarkerSequence.
-void drop_rotations(C3dWritePlan& plan) {
-  if (first_count(plan.parameters, "ROTATION", "USED").value_or(0) == 0) return;
-  update(plan.parameters, "ROTATION", integer_parameter("USED", {0.0}));
-  plan.losses.push_back(
-      {.message = "the data of rotations are not written", .place = "parameter ROTATION:USED"});
+void plan_rotations(const MarkerSequence& take, C3dWritePlan& plan) {
+  C3dParameters& tree = plan.parameters;
+  const RotationData& r = take.rotations;
+  if (r.values.empty()) {
+    if (first_count(tree, "ROTATION", "USED").value_or(0) == 0) return;
+    update(tree, "ROTATION", integer_parameter("USED", {0.0}));
+    plan.losses.push_back({.message = "the take no longer has the data of the rotations",
+                           .place = "parameter ROTATION:USED"});
+    return;
+  }
+  if (r.count > 65'535 || r.samples_per_frame > 65'535) {
+    throw UsageError({.what = "a C3D file holds at most 65535 rotations and as many samples of "
+                              "them a frame"});
+  }
+  update(tree, "ROTATION", integer_parameter("USED", {static_cast<double>(r.count)}));
+  const auto samples = static_cast<double>(r.samples_per_frame);
+  if (tree.find("ROTATION", "RATIO") != nullptr || tree.find("ROTATION", "RATE") == nullptr) {
+    update(tree, "ROTATION", integer_parameter("RATIO", {samples}));
+  }
+  if (tree.find("ROTATION", "RATE") != nullptr) {
+    update(
+        tree, "ROTATION",
+        real_parameter("RATE", {static_cast<double>(static_cast<float>(samples * take.rate_hz))}));
+  }
 }
 
-/// Encodes the section twice: its size decides POINT:DATA_START, which is part of it.
-void plan_section(C3dWritePlan& plan) {
+/// Where the rotations begin. 16 bits point up to 32 MB into a file; a real goes further.
+void plan_rotation_block(std::size_t block, C3dWritePlan& plan) {
+  const auto value = static_cast<double>(block);
+  if (block <= 65'535) {
+    update(plan.parameters, "ROTATION", integer_parameter("DATA_START", {value}));
+    return;
+  }
+  plan.parameters.set("ROTATION", real_parameter("DATA_START", {value}));
+}
+
+/// Encodes the section twice: its size decides the parameters DATA_START, which are part of it.
+void plan_section(const MarkerSequence& take, C3dWritePlan& plan) {
+  const std::size_t width = plan.storage == Storage::real ? 4 : 2;
+  const std::size_t frame_bytes =
+      (4 * std::size_t{plan.header.points} + plan.header.analog_per_frame) * width;
+  const std::size_t point_blocks = (take.frame_count() * frame_bytes + c3d_block - 1) / c3d_block;
+  const bool rotations = !take.rotations.values.empty();
+  constexpr std::size_t most_blocks = 65'535;
   update(plan.parameters, "POINT", integer_parameter("DATA_START", {0.0}));
+  // Of the type that the block is going to have.
+  const bool far = point_blocks > most_blocks - 2 - 1024;
+  if (rotations) plan_rotation_block(far ? most_blocks + 1 : 0, plan);
   std::vector<std::string> ignored;
   const std::size_t blocks =
       encode_section(plan.parameters, plan.processor, ignored).size() / c3d_block;
   const std::size_t data_block = 2 + blocks;
-  if (data_block > 65'535)
+  if (data_block > most_blocks)
     throw UsageError({.what = "the parameters take over 32 MB, more than a C3D file can hold"});
   update(plan.parameters, "POINT",
          integer_parameter("DATA_START", {static_cast<double>(data_block)}));
+  if (rotations && far) {
+    plan.parameters.find("ROTATION", "DATA_START")->numbers = {
+        static_cast<double>(data_block + point_blocks)};
+    plan.losses.push_back({.message = "the rotations begin more than 32 MB into the file, where "
+                                      "software that expects a 16-bit pointer does not find them",
+                           .place = "parameter ROTATION:DATA_START"});
+  } else if (rotations) {
+    plan_rotation_block(data_block + point_blocks, plan);
+  }
   std::vector<std::string> losses;
   plan.section = encode_section(plan.parameters, plan.processor, losses);
   for (std::string& loss : losses)
@@ -189,9 +235,9 @@ C3dWritePlan plan_c3d(const MarkerSequence& take, const C3dWriteOptions& options
   plan_frames(take, plan);
   plan_point_group(take, plan);
   encode_event_list(take.events, plan.parameters);
-  drop_rotations(plan);
+  plan_rotations(take, plan);
   plan_header(take, plan);
-  plan_section(plan);
+  plan_section(take, plan);
   return plan;
 }
 

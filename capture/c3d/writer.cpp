@@ -8,6 +8,7 @@
 #include "capture/c3d/header_block.h"
 #include "capture/c3d/number_format.h"
 #include "capture/c3d/point_table.h"
+#include "capture/c3d/rotations.h"
 #include "capture/c3d/write_plan.h"
 #include "config/error.h"
 #include "config/output_file.h"
@@ -56,14 +57,19 @@ void note_tally(const EncodeTally& tally, const C3dWritePlan& plan, std::vector<
   note(tally.ambiguous_zeros, "at exactly (0, 0, 0), which some software takes for gaps");
 }
 
-void note_what_c3d_lacks(const MarkerSequence& take, const C3dWritePlan& plan,
-                         std::vector<C3dLoss>& losses) {
+void note_what_c3d_lacks(const MarkerSequence& take, const C3dWriteOptions& options,
+                         const C3dWritePlan& plan, std::vector<C3dLoss>& losses) {
   if (!take.uncertainty().empty())
     losses.push_back({.message = "the uncertainty of filled samples has no place in the format"});
   if (plan.unlabelled > 0) {
     losses.push_back({.message = "points without identity become " +
                                  count_of(plan.unlabelled, "column") + " called *" +
                                  std::to_string(take.marker_count() + 1) + " and so on"});
+  }
+  if (!take.rotations.values.empty() && options.unit != "origin" &&
+      options.unit != take.origin.unit) {
+    losses.push_back({.message = "the translations of rotations stay in " + take.origin.unit,
+                      .place = "parameter group ROTATION"});
   }
   if (take.events.size() > 18 && take.parameters.group("EVENT") == nullptr) {
     losses.push_back({.message = "software that knows only header events sees the first 18 of " +
@@ -79,6 +85,10 @@ void check_shape(const MarkerSequence& take) {
         {.what = "the analog data have " + std::to_string(take.analog.values.size()) +
                  " values, not frames × samples × channels = " + std::to_string(values)});
   }
+  const RotationData& r = take.rotations;
+  if (r.values.size() != take.frame_count() * r.samples_per_frame * r.count * rotation_floats) {
+    throw UsageError({.what = "the rotations do not match the frames"});
+  }
   const auto& offsets = take.unlabelled.offsets;
   if (!offsets.empty() && (offsets.size() != take.frame_count() + 1 ||
                            offsets.back() > take.unlabelled.positions.size())) {
@@ -92,11 +102,12 @@ std::vector<C3dLoss> encode(const MarkerSequence& take, const C3dWriteOptions& o
   check_shape(take);
   const C3dWritePlan plan = plan_c3d(take, options);
   std::vector<C3dLoss> losses = plan.losses;
-  note_what_c3d_lacks(take, plan, losses);
+  note_what_c3d_lacks(take, options, plan, losses);
   const std::string header = encode_header(plan.header, plan.processor);
   sink(header.data(), header.size());
   sink(plan.section.data(), plan.section.size());
   note_tally(write_frames(take, plan, sink, ctx), plan, losses);
+  if (!take.rotations.values.empty()) write_rotations(take.rotations, plan.processor, sink);
   return losses;
 }
 

@@ -224,6 +224,11 @@ void export_npz(const MarkerSequence& take, const fs::path& path) {
   npz.add("analog_labels", texts_of(take.analog.channels, &AnalogData::Channel::label));
   npz.add("analog_units", texts_of(take.analog.channels, &AnalogData::Channel::unit));
   npz.add("analog_rate_hz", take.analog.rate_hz);
+  const RotationData& r = take.rotations;
+  if (!r.values.empty()) {
+    npz.add("rotations", {take.frame_count() * r.samples_per_frame, r.count, 17},
+            r.values.span());
+  }
   std::vector<double> event_times;
   for (const Event& e : take.events) event_times.push_back(e.time_s);
   npz.add("event_labels", texts_of(take.events, &Event::label));
@@ -237,6 +242,8 @@ void list_left_out(const MarkerSequence& take, ExportFormat format, SessionExpor
   const std::size_t unlabelled = take.unlabelled.positions.size();
   if (unlabelled > 0)
     result.left_out.push_back(count_of(unlabelled, "point") + " without identity");
+  if (!take.rotations.values.empty() && format != ExportFormat::npz)
+    result.left_out.push_back(count_of(take.rotations.count, "rotation"));
   if (format != ExportFormat::trc) return;
   std::size_t others = 0;
   for (const Marker& m : take.markers()) others += m.kind > MarkerKind::virtual_point ? 1 : 0;

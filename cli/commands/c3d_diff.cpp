@@ -14,6 +14,7 @@ CommandSpec c3d_diff_command() {
               std::string a, b;
               SessionReadOptions read;
               SessionDiffOptions diff;
+              bool expect_identical = false;
             };
             auto args = std::make_shared<Arguments>();
             line.positional("A", args->a, "C3D, TRC, CSV or TSV file");
@@ -22,6 +23,8 @@ CommandSpec c3d_diff_command() {
               args->read.declare(p);
               args->diff.declare(p);
             });
+            line.flag("--expect-identical", args->expect_identical,
+                      "Exit with status 3 if they differ; otherwise the status is 0 either way");
             line.json_output();
             return [args](Terminal& terminal) {
               const RunContext& run = terminal.run;
@@ -33,7 +36,9 @@ CommandSpec c3d_diff_command() {
                   diff_sessions(a, b, args->diff, run.part(0.8, 1.0, "comparing"));
               terminal.print(terminal.json ? diff_json(result, args->a, args->b)
                                            : diff_text(result, args->a, args->b));
-              return ExitCode::done;
+              // Status 1, which diff(1) uses, means a bug in Kinemesh.
+              return args->expect_identical && !result.identical() ? ExitCode::invalid_input
+                                                                   : ExitCode::done;
             };
           }};
 }

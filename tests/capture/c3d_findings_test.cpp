@@ -243,6 +243,15 @@ std::vector<Case> layout_cases() {
        false},
       {"C3D315",
        [] {
+         MarkerSequence take = test::make_take(20, 3);
+         take.rotations.count = 1;
+         take.rotations.samples_per_frame = 1;
+         take.rotations.values = Buffer<float>(20 * 17, 0.5F);
+         return encode_c3d(take);
+       },
+       false},
+      {"C3D319",
+       [] {
          return with_parameters([](C3dParameters& t) {
            t.set("ROTATION", integer_parameter("USED", {1}));
            t.set("ROTATION", integer_parameter("DATA_START", {9}));
@@ -261,6 +270,10 @@ std::vector<Case> layout_cases() {
          return b.substr(0, data_of(b));
        },
        false},
+      {"C3D320",
+       [] {
+         return with_parameters([](C3dParameters& t) { erase_parameter(t, "POINT", "FRAMES"); });
+       }},
       {"C3D318",
        [] {
          return with_parameters([](C3dParameters& t) { erase_parameter(t, "POINT", "USED"); });
