@@ -392,7 +392,10 @@ void count_frames(const C3dHead& head, C3dLayout& layout, std::vector<C3dFinding
   const uint64_t frame = only_rotations
                              ? layout.rotations * layout.rotation_samples * rotation_bytes
                              : layout.frame_bytes;
-  const uint64_t held = frame == 0 || begin >= size ? 0 : (size - begin) / frame;
+  // A count that saturated at 16 bits does not reach into the rotations.
+  const bool saturated = !only_rotations && layout.declared_frames >= 65'535;
+  const uint64_t end = saturated ? points_end(layout) : size;
+  const uint64_t held = frame == 0 || begin >= end ? 0 : (end - begin) / frame;
   layout.frames = std::min(layout.declared_frames, held);
   if (layout.frames < layout.declared_frames && (frame != 0 || layout.declared_frames > 0)) {
     findings.push_back(c3d_finding(
