@@ -261,6 +261,7 @@ std::vector<Case> layout_cases() {
        [] {
          C3dParts parts = test::take_apart(healthy());
          erase_parameter(parts.parameters, "POINT", "RATE");
+         erase_parameter(parts.parameters, "ANALOG", "RATE");
          parts.header.rate_hz = 0.0F;
          return put_together(parts);
        }},
