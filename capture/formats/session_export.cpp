@@ -226,8 +226,7 @@ void export_npz(const MarkerSequence& take, const fs::path& path) {
   npz.add("analog_rate_hz", take.analog.rate_hz);
   const RotationData& r = take.rotations;
   if (!r.values.empty()) {
-    npz.add("rotations", {take.frame_count() * r.samples_per_frame, r.count, 17},
-            r.values.span());
+    npz.add("rotations", {take.frame_count() * r.samples_per_frame, r.count, 17}, r.values.span());
   }
   std::vector<double> event_times;
   for (const Event& e : take.events) event_times.push_back(e.time_s);
