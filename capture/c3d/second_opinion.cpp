@@ -154,7 +154,7 @@ std::string known_refusal(const C3dReadResult& own, const std::string& why) {
   if (any_parameter(tree, [](const C3dParameter& p) { return p.description.size() > 127; })) {
     return "ezc3d takes the length of descriptions over 127 bytes as negative";
   }
-  if (const std::string type = unexpected_type(tree); !type.empty()) return type;
+  if (std::string type = unexpected_type(tree); !type.empty()) return type;
   if (std::ranges::none_of(tree.groups, [](const C3dGroup& g) { return g.name == "POINT"; }))
     return "ezc3d knows the names of groups in capitals only";
   if (has(own.findings, "C3D211") || has(own.findings, "C3D201") || has(own.findings, "C3D213")) {
