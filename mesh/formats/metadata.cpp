@@ -8,7 +8,7 @@
 namespace kinemesh {
 namespace {
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   std::string out = "\"";
   for (const char c : text) {
     switch (c) {
@@ -65,14 +65,14 @@ std::string number(T value) {
 
 void add_provenance(const Provenance& provenance, std::vector<std::string>& lines) {
   const auto add = [&lines](const char* key, const std::string& value) {
-    if (!value.empty()) lines.push_back("kinemesh " + std::string(key) + " " + quoted(value));
+    if (!value.empty()) lines.push_back("kinemesh " + std::string(key) + " " + in_quotes(value));
   };
   add("program", provenance.program);
   add("command", provenance.command);
   add("options", provenance.options);
   add("source", provenance.source);
   for (const Provenance::Input& input : provenance.inputs) {
-    lines.push_back("kinemesh input " + quoted(input.path) + " " + quoted(input.sha256));
+    lines.push_back("kinemesh input " + in_quotes(input.path) + " " + in_quotes(input.sha256));
   }
 }
 
@@ -97,17 +97,17 @@ void add_filled_runs(const AnimatedMesh& mesh, std::vector<std::string>& lines) 
 std::vector<std::string> metadata_lines(const AnimatedMesh& mesh, std::size_t frame,
                                         const WriteOptions& options, const MetadataChoice& choice) {
   std::vector<std::string> lines;
-  lines.push_back("kinemesh unit " + quoted(name_of(options.unit)));
+  lines.push_back("kinemesh unit " + in_quotes(name_of(options.unit)));
   if (mesh.rate_hz > 0) lines.push_back("kinemesh rate_hz " + number(mesh.rate_hz));
   lines.push_back("kinemesh first_frame " + number(mesh.first_frame + static_cast<int64_t>(frame)));
   if (choice.description) {
     for (std::size_t v = 0; v < mesh.vertex_names.size(); ++v) {
       lines.push_back("kinemesh vertex_name " + std::to_string(v) + " " +
-                      quoted(mesh.vertex_names[v]));
+                      in_quotes(mesh.vertex_names[v]));
     }
     for (const Event& event : mesh.events) {
-      lines.push_back("kinemesh event " + number(event.time_s) + " " + quoted(event.label) + " " +
-                      quoted(event.context) + " " + quoted(event.subject));
+      lines.push_back("kinemesh event " + number(event.time_s) + " " + in_quotes(event.label) +
+                      " " + in_quotes(event.context) + " " + in_quotes(event.subject));
     }
     add_provenance(mesh.provenance, lines);
   }

@@ -1,0 +1,19 @@
+# kinemesh_precompile(TARGET [FROM OTHER] [HEADERS <header>...]): with KINEMESH_PRECOMPILE, parses the
+# headers that nearly every file includes once for the target, or takes what OTHER parsed (its compile
+# flags must be the same). Off by default, so that the ordinary build shows an include that is missing.
+option(KINEMESH_PRECOMPILE "Precompile the common headers (for the sanitizer build)" OFF)
+
+function(kinemesh_precompile TARGET)
+  cmake_parse_arguments(ARG "" "FROM" "HEADERS" ${ARGN})
+  if(NOT KINEMESH_PRECOMPILE)
+    return()
+  endif()
+  if(ARG_FROM)
+    target_precompile_headers(${TARGET} REUSE_FROM ${ARG_FROM})
+    return()
+  endif()
+  target_precompile_headers(${TARGET} PRIVATE
+    <algorithm> <array> <charconv> <cmath> <cstdint> <filesystem> <functional> <limits> <map> <memory>
+    <numeric> <optional> <set> <span> <sstream> <string> <string_view> <vector>
+    <Eigen/Core> <Eigen/Geometry> ${ARG_HEADERS})
+endfunction()
