@@ -133,8 +133,8 @@ class OpeningCutter {
     return frame_.up(points_, mouth_ ? std::optional(mouth_->centre) : std::nullopt, eyes);
   }
 
-  static constexpr double at_slit = 0.28;         // spacings
-  static constexpr double largest_notch = 105.0;  // degrees
+  static constexpr double at_slit = 0.40;        // spacings
+  static constexpr double largest_notch = 95.0;  // degrees
 
   EditMesh& mesh_;
   const Points& points_;

@@ -221,15 +221,15 @@ std::size_t fan_length(const std::vector<DirectedEdge>& edges, VertexIndex pivot
 /// Edges to drop at one end, see drop_corner_fans().
 std::size_t corner_fan(const Strip& strip, const Points& points, const SlitLine& line, double near,
                        bool front) {
-  constexpr double weak = 0.7;  // of the strongest edge
+  constexpr double weak = 0.6;  // of the strongest edge
   std::size_t longest = 0;
   for (const VertexIndex pivot : front ? strip.edges.front() : strip.edges.back()) {
     if (line.distance(points[pivot]) >= near) continue;
     const auto run = static_cast<std::ptrdiff_t>(fan_length(strip.edges, pivot, front));
     const auto begin = front ? strip.strengths.begin() : strip.strengths.end() - run;
-    if (*std::max_element(begin, begin + run) < weak * strip.peak) {
-      longest = std::max(longest, static_cast<std::size_t>(run));
-    }
+    if (*std::max_element(begin, begin + run) >= weak * strip.peak) continue;
+    // The innermost edge may still cross the tip of the slit: it stays in the strip.
+    longest = std::max(longest, static_cast<std::size_t>(run - 1));
   }
   return longest;
 }

@@ -36,7 +36,8 @@ std::vector<Strip> find_strips(const EditMesh& mesh, const StripRule& rule);
 
 /// Drops the edges at either end that meet in a vertex closer than `near` (mm) to the line of the
 /// slit, which the middles of the other edges show, and that are weaker than the rest: that vertex
-/// is the corner of the opening, and its edges only turn with the lips.
+/// is the corner of the opening, and its edges only turn with the lips. The innermost of them
+/// stays.
 void drop_corner_fans(Strip& strip, const Points& points, double near);
 
 /// Removes the triangles on both sides of every edge of the strip, which leaves one loop.
