@@ -16,10 +16,8 @@ std::vector<CommandSpec> all_commands() {
       c3d_export_command(),
       c3d_evaluate_fill_command(),
       geodesics_command(),
+      solve_matching_command(),
       hash_command(),
-      convert_command(),   c3d_info_command(),   c3d_check_command(),
-      c3d_diff_command(),  c3d_export_command(), c3d_evaluate_fill_command(),
-      geodesics_command(), hash_command(),       solve_matching_command(),
   };
   // clang-format on
 }
