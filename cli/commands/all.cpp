@@ -16,6 +16,7 @@ std::vector<CommandSpec> all_commands() {
       c3d_export_command(),
       c3d_evaluate_fill_command(),
       geodesics_command(),
+      match_command(),
       solve_matching_command(),
       hash_command(),
   };

@@ -16,6 +16,7 @@ CommandSpec geodesics_command();
 CommandSpec formats_command();
 CommandSpec hash_command();
 CommandSpec info_command();
+CommandSpec match_command();
 CommandSpec solve_matching_command();
 
 }  // namespace kinemesh::cli

@@ -1,0 +1,244 @@
+#include "analysis/feature_energy.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "config/error.h"
+
+namespace kinemesh {
+namespace {
+
+constexpr int samples = 64;            // of a curve over normalised time
+constexpr double largest_cost = 2.0;   // of a geodesic term
+constexpr double short_length = 0.15;  // √area: lengths below count in full, not in proportion
+constexpr double broken_prior = 10.0;  // instead of the thesis' infinity: the bound stays finite
+
+/// Linear interpolation at `samples` equal steps.
+Eigen::VectorXd resampled(const std::vector<float>& curve) {
+  Eigen::VectorXd values = Eigen::VectorXd::Zero(samples);
+  if (curve.empty()) return values;
+  for (int k = 0; k < samples; ++k) {
+    const double at = static_cast<double>(curve.size() - 1) * k / (samples - 1);
+    const std::size_t left = std::min(static_cast<std::size_t>(at), curve.size() - 1);
+    const std::size_t right = std::min(left + 1, curve.size() - 1);
+    const double part = at - static_cast<double>(left);
+    values[k] = (1.0 - part) * curve[left] + part * curve[right];
+  }
+  return values;
+}
+
+using Places = std::vector<FeaturePlaces::Place>;
+
+template <class Curve>
+Eigen::MatrixXd curve_distances(const Places& source, const Places& target, Curve&& curve) {
+  std::vector<Eigen::VectorXd> right;
+  for (const auto& q : target) right.push_back(resampled(curve(q)));
+  Eigen::MatrixXd distances(source.size(), target.size());
+  for (Eigen::Index p = 0; p < distances.rows(); ++p) {
+    const Eigen::VectorXd left = resampled(curve(source[static_cast<std::size_t>(p)]));
+    for (Eigen::Index q = 0; q < distances.cols(); ++q) {
+      distances(p, q) =
+          (left - right[static_cast<std::size_t>(q)]).norm() / std::sqrt(double{samples});
+    }
+  }
+  return distances;
+}
+
+/// Divided by its mean, so that it has no unit; left alone where all is alike.
+Eigen::MatrixXd without_unit(Eigen::MatrixXd distances) {
+  const double mean = distances.size() > 0 ? distances.mean() : 0.0;
+  if (mean > 0.0) distances /= mean;
+  return distances;
+}
+
+Eigen::MatrixXd twists(const Places& places) {
+  const auto count = static_cast<Eigen::Index>(places.size());
+  Eigen::MatrixXd twist = Eigen::MatrixXd::Zero(count, count);
+  for (Eigen::Index p = 0; p < count; ++p) {
+    for (Eigen::Index q = p + 1; q < count; ++q) {
+      const auto &a = places[static_cast<std::size_t>(p)], &b = places[static_cast<std::size_t>(q)];
+      const Eigen::Vector3d chord = b.position - a.position;
+      const double length = chord.norm();
+      if (length > 0.0) twist(p, q) = a.normal.cross(b.normal).dot(chord) / length;
+      twist(q, p) = twist(p, q);
+    }
+  }
+  return twist;
+}
+
+Eigen::Index at(std::size_t k) { return static_cast<Eigen::Index>(k); }
+
+}  // namespace
+
+FeatureEnergy::FeatureEnergy(const FeaturePlaces& source, const FeaturePlaces& target,
+                             const FeatureMatchingOptions& options)
+    : source_(source),
+      target_(target),
+      options_(options),
+      source_twist_(twists(source.places)),
+      target_twist_(twists(target.places)) {
+  measure_descriptors();
+}
+
+void FeatureEnergy::measure_descriptors() {
+  const Places &a = source_.places, &b = target_.places;
+  const auto displacement = [](const auto& p) -> const auto& { return p.displacement; };
+  const auto deformation = [](const auto& p) -> const auto& { return p.deformation; };
+  Eigen::MatrixXd times(a.size(), b.size());
+  for (Eigen::Index p = 0; p < times.rows(); ++p) {
+    for (Eigen::Index q = 0; q < times.cols(); ++q) {
+      times(p, q) =
+          std::abs(a[static_cast<std::size_t>(p)].time - b[static_cast<std::size_t>(q)].time);
+    }
+  }
+  descriptor_ = (without_unit(curve_distances(a, b, displacement)) +
+                 without_unit(curve_distances(a, b, deformation)) +
+                 options_.time_weight * without_unit(std::move(times))) /
+                (2.0 + options_.time_weight);
+}
+
+PairTerms FeatureEnergy::pair(std::size_t p, std::size_t p2, std::size_t q, std::size_t q2) const {
+  PairTerms terms;
+  const double a = source_.distances(at(p), at(p2)), b = target_.distances(at(q), at(q2));
+  if (std::isfinite(a) && std::isfinite(b)) {
+    const double mean = 0.5 * (a + b);
+    terms.geodesic = std::min(std::abs(a - b) / std::max(mean, short_length), largest_cost);
+  } else if (std::isfinite(a) != std::isfinite(b)) {
+    terms.geodesic = largest_cost;
+  }
+  terms.orientation = std::abs(source_twist_(at(p), at(p2)) - target_twist_(at(q), at(q2)));
+  if (!source_.path_classes.empty() && !target_.path_classes.empty()) {
+    const PathClass left = source_.path_classes[p * source_.places.size() + p2];
+    const PathClass right = target_.path_classes[q * target_.places.size() + q2];
+    const bool agree = left == right || left == PathClass::level || right == PathClass::level;
+    const bool monotonous = left != PathClass::neither && right != PathClass::neither;
+    terms.prior_broken = !agree || (options_.prior == GeodesicPrior::printed && !monotonous);
+  }
+  return terms;
+}
+
+/// Algorithm 5-1: the nearest of the other side by descriptor, from both sides.
+std::vector<MatchingAssignment> FeatureEnergy::assignments() const {
+  const std::size_t n = source_.places.size(), m = target_.places.size();
+  const std::size_t wanted = options_.candidates > 0 ? options_.candidates : std::max(n, m);
+  std::vector<char> chosen(n * m, 0);
+  const auto choose = [&](std::size_t count, auto&& cost, auto&& mark) {
+    std::vector<std::size_t> order(count);
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    const std::size_t kept = std::min(wanted, count);
+    std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(kept), order.end(),
+                      [&](std::size_t x, std::size_t y) {
+                        return std::pair(cost(x), x) < std::pair(cost(y), y);
+                      });
+    for (std::size_t k = 0; k < kept; ++k) mark(order[k]);
+  };
+  for (std::size_t p = 0; p < n; ++p) {
+    choose(
+        m, [&](std::size_t q) { return descriptor(p, q); },
+        [&](std::size_t q) { chosen[p * m + q] = 1; });
+  }
+  for (std::size_t q = 0; q < m; ++q) {
+    choose(
+        n, [&](std::size_t p) { return descriptor(p, q); },
+        [&](std::size_t p) { chosen[p * m + q] = 1; });
+  }
+  std::vector<MatchingAssignment> all;
+  for (std::size_t p = 0; p < n; ++p) {
+    for (std::size_t q = 0; q < m; ++q) {
+      if (chosen[p * m + q] == 0) continue;
+      all.push_back({static_cast<uint32_t>(p), static_cast<uint32_t>(q), 0.0});
+    }
+  }
+  return all;
+}
+
+/// Whether either of two places is among the `count` nearest of the other; 0: all are.
+FeatureEnergy::Near FeatureEnergy::nearest(const FeaturePlaces& places, int count) const {
+  const std::size_t n = places.places.size();
+  Near near(n, std::vector<char>(n, count == 0 ? 1 : 0));
+  if (count == 0) return near;
+  for (std::size_t p = 0; p < n; ++p) {
+    std::vector<std::pair<double, std::size_t>> order;
+    for (std::size_t q = 0; q < n; ++q) {
+      if (q != p) order.emplace_back(places.distances(at(p), at(q)), q);
+    }
+    std::ranges::sort(order);
+    for (std::size_t k = 0; k < std::min<std::size_t>(order.size(), count); ++k) {
+      near[p][order[k].second] = near[order[k].second][p] = 1;
+    }
+  }
+  return near;
+}
+
+/// λ_coh for one pair of neighbours: the term is a mean over them, times the smaller count.
+double FeatureEnergy::coherence_weight(const Near& source, const Near& target) const {
+  double pairs = 0.0;
+  for (const Near* near : {&source, &target}) {
+    for (const std::vector<char>& row : *near)
+      pairs += 0.5 * std::accumulate(row.begin(), row.end(), 0.0);
+  }
+  const double smaller = static_cast<double>(std::min(source.size(), target.size()));
+  return pairs > 0.0 ? options_.coherence * smaller / pairs : 0.0;
+}
+
+MatchingProblem FeatureEnergy::problem() const {
+  const std::size_t n = source_.places.size(), m = target_.places.size();
+  MatchingProblem problem{.left_count = static_cast<uint32_t>(n),
+                          .right_count = static_cast<uint32_t>(m),
+                          .assignments = assignments()};
+  std::vector<MatchingAssignment>& all = problem.assignments;
+  const double size = static_cast<double>(all.size());
+  if (0.5 * size * size > options_.max_pairs && options_.neighbours == 0) {
+    throw NoResultError(
+        {.what = std::to_string(n) + " and " + std::to_string(m) + " features give " +
+                 std::to_string(static_cast<int64_t>(0.5 * size * size)) +
+                 " pairs of matches to compare, about " +
+                 std::to_string(static_cast<int64_t>(size * size * 32e-6)) + " MB",
+         .remedy = "Compare neighbours only (--neighbours 6), match fewer features, or raise "
+                   "--max-pairs"});
+  }
+  const Near near_a = nearest(source_, options_.neighbours);
+  const Near near_b = nearest(target_, options_.neighbours);
+  const Near close_a = nearest(source_, std::max(1, options_.coherence_neighbours));
+  const Near close_b = nearest(target_, std::max(1, options_.coherence_neighbours));
+  const double coherence = coherence_weight(close_a, close_b);
+  const auto degree = [](const Near& near, uint32_t p) {
+    return std::accumulate(near[p].begin(), near[p].end(), 0.0);
+  };
+  for (MatchingAssignment& a : all) {
+    a.cost = options_.descriptor * descriptor(a.left, a.right) - options_.matched +
+             coherence * (degree(close_a, a.left) + degree(close_b, a.right));
+  }
+  const double smaller = static_cast<double>(std::min(n, m));
+  const double others = options_.neighbours > 0
+                            ? std::min<double>(options_.neighbours, smaller - 1.0)
+                            : smaller - 1.0;
+  const double share = 2.0 / std::max(1.0, others);
+  for (uint32_t a = 0; a < all.size(); ++a) {
+    for (uint32_t b = a + 1; b < all.size(); ++b) {
+      const auto [p, q, x] = all[a];
+      const auto [p2, q2, y] = all[b];
+      if (p == p2 || q == q2) continue;
+      double cost = -2.0 * coherence *
+                    ((close_a[p][p2] != 0 ? 1.0 : 0.0) + (close_b[q][q2] != 0 ? 1.0 : 0.0));
+      if (near_a[p][p2] != 0 || near_b[q][q2] != 0) {
+        const PairTerms terms = pair(p, p2, q, q2);
+        cost +=
+            share * (options_.geodesic * terms.geodesic + options_.orientation * terms.orientation +
+                     (terms.prior_broken ? broken_prior : 0.0));
+      }
+      if (cost != 0.0) problem.pairs.push_back({a, b, cost});
+    }
+    if (static_cast<double>(problem.pairs.size()) > options_.max_pairs) {
+      throw NoResultError({.what = "more than " + std::to_string(problem.pairs.size()) +
+                                   " pairs of matches to compare",
+                           .remedy = "Match fewer features, or raise --max-pairs"});
+    }
+  }
+  problem.constant = options_.matched * smaller;
+  return problem;
+}
+
+}  // namespace kinemesh

@@ -1,0 +1,46 @@
+// The energy of matching features (thesis 5-6) as a graph matching problem. Internal to analysis.
+#pragma once
+
+#include <vector>
+
+#include "analysis/feature_matching.h"
+
+namespace kinemesh {
+
+/// Costs of one pair of matches, before weighting.
+struct PairTerms {
+  double geodesic = 0.0;     ///< relative distortion, at most 2
+  double orientation = 0.0;  ///< twist difference, 0 to 2
+  bool prior_broken = false;
+};
+
+/// The terms between two sets of places.
+class FeatureEnergy {
+ public:
+  FeatureEnergy(const FeaturePlaces& source, const FeaturePlaces& target,
+                const FeatureMatchingOptions& options);
+
+  /// θ of a match.
+  double descriptor(std::size_t p, std::size_t q) const {
+    return descriptor_(static_cast<Eigen::Index>(p), static_cast<Eigen::Index>(q));
+  }
+  PairTerms pair(std::size_t p, std::size_t p2, std::size_t q, std::size_t q2) const;
+
+  /// The problem, its energy being that of (5-6) times the smaller count. Throws NoResultError when
+  /// it would be too large.
+  MatchingProblem problem() const;
+
+ private:
+  using Near = std::vector<std::vector<char>>;
+  void measure_descriptors();
+  std::vector<MatchingAssignment> assignments() const;
+  Near nearest(const FeaturePlaces& places, int count) const;
+  double coherence_weight(const Near& source, const Near& target) const;
+
+  const FeaturePlaces& source_;
+  const FeaturePlaces& target_;
+  const FeatureMatchingOptions& options_;
+  Eigen::MatrixXd descriptor_, source_twist_, target_twist_;
+};
+
+}  // namespace kinemesh

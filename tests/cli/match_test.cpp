@@ -1,0 +1,73 @@
+// kinemesh match as a user runs it.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "analysis/feature_io.h"
+#include "config/input_file.h"
+#include "mesh/formats/mesh_io.h"
+#include "tests/support/bending_cylinder.h"
+#include "tests/support/temporary_folder.h"
+
+namespace kinemesh {
+namespace {
+
+class MatchCommand : public ::testing::Test {
+ protected:
+  MatchCommand() {
+    const test::BendingCylinder cylinder =
+        test::make_bending_cylinder({.around = 16, .along = 40, .frames = 20});
+    write_animation(builtin_mesh_formats(), cylinder.mesh, place("a.ply"));
+    FeatureSet set{.animation = "a.ply",
+                   .vertex_count = cylinder.mesh.vertex_count(),
+                   .frame_count = 20,
+                   .rate_hz = 30,
+                   .features = {}};
+    for (const uint32_t v : {5U, 150U, 260U, 330U, 470U, 600U}) {
+      set.features.push_back({.vertex = v, .frame = v / 40, .time_s = v / 40 / 30.0});
+    }
+    write_features(place("a.json"), set);
+    set.features.clear();
+    write_features(place("none.json"), set);
+  }
+  std::string place(const std::string& name) const { return (folder_.path() / name).string(); }
+  int run(const std::string& arguments) {
+    const std::string command = std::string(KINEMESH_PROGRAM) + " match " + arguments + " > " +
+                                place("stdout") + " 2> " + place("stderr");
+    const int status = std::system(command.c_str());
+    output_ = read_file(place("stdout"));
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+  test::TemporaryFolder folder_;
+  std::string output_;
+};
+
+TEST_F(MatchCommand, MatchesPictureAndTerms) {
+  const std::string files = place("a.json") + " " + place("a.json");
+  ASSERT_EQ(run(files + " " + place("a.ply") + " " + place("a.ply") + " -o " + place("m.json") +
+                " --picture " + place("m.png") + " --json"),
+            0);
+  const nlohmann::json json = nlohmann::json::parse(read_file(place("m.json")));
+  EXPECT_EQ(json, nlohmann::json::parse(output_));
+  ASSERT_EQ(json["matches"].size(), 6U);
+  for (const auto& m : json["matches"]) EXPECT_EQ(m["source"], m["target"]);
+  EXPECT_TRUE(read_file(place("m.png")).starts_with("\x89PNG"));
+  // The animations that the features name, and the other format.
+  ASSERT_EQ(run(files + " -o " + place("m.csv")), 0);
+  EXPECT_TRUE(read_file(place("m.csv")).starts_with("source,target,source_vertex,"));
+}
+
+TEST_F(MatchCommand, MistakesHaveTheirExitCode) {
+  const std::string meshes = " " + place("a.ply") + " " + place("a.ply");
+  EXPECT_EQ(run(place("none.json") + " " + place("a.json") + meshes + " -o " + place("m.json")), 0);
+  EXPECT_NE(output_.find("no match"), std::string::npos);
+  EXPECT_EQ(run(place("a.ply") + " " + place("a.json") + meshes + " -o " + place("m.json")), 3);
+  EXPECT_EQ(run(place("a.json") + " " + place("a.json") + meshes + " -o " + place("m.txt")), 2);
+  EXPECT_EQ(run(place("a.json") + " " + place("a.json")), 2);
+}
+
+}  // namespace
+}  // namespace kinemesh
