@@ -19,6 +19,7 @@ namespace kinemesh::cli {
 struct Terminal {
   RunContext run;            ///< threads, seed, log and progress set from the command line
   bool json = false;         ///< --json was given: print one JSON document on stdout, nothing else
+  bool quiet = false;        ///< -q was given: files are written, nothing is told but errors
   std::string command_line;  ///< as typed, quoted so that a shell reads it back alike
   std::string options_toml;  ///< the effective parameters, as --dump-config prints them
 

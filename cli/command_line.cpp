@@ -1,5 +1,7 @@
 #include "cli/command_line.h"
 
+#include <limits>
+
 #include "config/input_file.h"
 #include "config/text.h"
 
@@ -38,14 +40,15 @@ std::string help_of(const Parameter& p) {
 
 }  // namespace
 
-Cli11CommandLine::Cli11CommandLine(CLI::App& app) : app_(app) {
+Cli11CommandLine::Cli11CommandLine(CLI::App& app, std::string command)
+    : app_(app), command_(std::move(command)) {
   app_.add_option("--threads", common_.threads, "Threads to use; 0 means all of the machine's")
       ->check(CLI::Range(0, 1024))
       ->option_text("N")
       ->group(general_group);
   app_.add_option("--seed", common_.seed,
                   "Seed of random choices; the same seed gives the same result")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::Range(int64_t{0}, std::numeric_limits<int64_t>::max()))
       ->option_text("N")
       ->group(general_group);
   auto* quiet =
@@ -57,7 +60,7 @@ Cli11CommandLine::Cli11CommandLine(CLI::App& app) : app_(app) {
 
 void Cli11CommandLine::positional(const std::string& name, std::string& field,
                                   const std::string& help) {
-  app_.add_option(name, field, help)->required()->option_text(" ");
+  require(app_.add_option(name, field, help)->option_text(" "));
 }
 
 void Cli11CommandLine::optional_positional(const std::string& name, std::string& field,
@@ -67,12 +70,13 @@ void Cli11CommandLine::optional_positional(const std::string& name, std::string&
 
 void Cli11CommandLine::positionals(const std::string& name, std::vector<std::string>& field,
                                    const std::string& help) {
-  app_.add_option(name, field, help)->required()->option_text("...");
+  require(app_.add_option(name, field, help)->option_text("..."));
 }
 
 void Cli11CommandLine::option(const std::string& names, std::string& field,
                               const std::string& metavar, const std::string& help, bool required) {
-  app_.add_option(names, field, help)->required(required)->option_text(metavar);
+  CLI::Option* option = app_.add_option(names, field, help)->option_text(metavar);
+  if (required) require(option);
 }
 
 void Cli11CommandLine::option(const std::string& names, std::vector<std::string>& field,
@@ -82,10 +86,9 @@ void Cli11CommandLine::option(const std::string& names, std::vector<std::string>
 
 void Cli11CommandLine::words(const std::string& names, std::vector<std::string>& field,
                              const std::string& metavar, const std::string& help, bool required) {
-  app_.add_option(names, field, help)
-      ->required(required)
-      ->option_text(metavar + " ...")
-      ->delimiter(',');
+  CLI::Option* option =
+      app_.add_option(names, field, help)->option_text(metavar + " ...")->delimiter(',');
+  if (required) require(option);
 }
 
 void Cli11CommandLine::flag(const std::string& names, bool& field, const std::string& help) {
@@ -133,6 +136,14 @@ void Cli11CommandLine::add_parameter(Parameter& p) {
     option->delimiter(',');
   } else {
     option->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+  }
+}
+
+void Cli11CommandLine::check_required() const {
+  for (const CLI::Option* option : required_) {
+    if (option->count() > 0) continue;
+    throw UsageError({.what = option->get_name() + " is required",
+                      .remedy = "See 'kinemesh " + command_ + " --help'"});
   }
 }
 

@@ -23,7 +23,8 @@ struct CommonOptions {
 
 class Cli11CommandLine : public CommandLine {
  public:
-  explicit Cli11CommandLine(CLI::App& app);
+  /// `command` is the path of the subcommand, for messages.
+  Cli11CommandLine(CLI::App& app, std::string command);
   void positional(const std::string& name, std::string& field, const std::string& help) override;
   void optional_positional(const std::string& name, std::string& field,
                            const std::string& help) override;
@@ -43,14 +44,19 @@ class Cli11CommandLine : public CommandLine {
   const CommonOptions& common() const { return common_; }
   /// Sets the parameters from --config and then from the command line.
   void apply_parameters();
+  /// Throws UsageError naming what must be given and was not. Not asked by --dump-config.
+  void check_required() const;
   bool dump_config() const { return dump_config_; }
   std::string options_toml() const;
   CLI::App& app() { return app_; }
 
  private:
   void add_parameter(Parameter& parameter);
+  void require(CLI::Option* option) { required_.push_back(option); }
 
   CLI::App& app_;
+  std::string command_;
+  std::vector<const CLI::Option*> required_;
   CommonOptions common_;
   ParameterSet set_;
   std::map<std::string, std::vector<std::string>> given_;  // by parameter name

@@ -91,6 +91,7 @@ ExitCode run_entry(Program::Entry& entry, const std::string& command_line, Conso
   const CommonOptions& common = entry.line->common();
   terminal.run.set_threads(common.threads).set_seed(static_cast<uint64_t>(common.seed));
   terminal.json = common.json;
+  terminal.quiet = common.quiet;
   terminal.command_line = command_line;
   console.attach(terminal.run);
   entry.line->apply_parameters();
@@ -99,6 +100,7 @@ ExitCode run_entry(Program::Entry& entry, const std::string& command_line, Conso
     terminal.print(terminal.options_toml);
     return ExitCode::done;
   }
+  entry.line->check_required();
   const InterruptGuard guard(terminal.run);
   return entry.action(terminal);
 }
@@ -180,7 +182,7 @@ Program::Program()
     CLI::App* parent = parent_of(app, spec.path, name);
     CLI::App* sub = parent->add_subcommand(name, spec.summary);
     sub->footer("Example:\n" + indent_lines(spec.example));
-    auto line = std::make_unique<Cli11CommandLine>(*sub);
+    auto line = std::make_unique<Cli11CommandLine>(*sub, spec.path);
     Action action = spec.setup(*line);
     entries.push_back({std::move(spec), sub, std::move(line), std::move(action)});
   }

@@ -49,6 +49,13 @@ RunContext& RunContext::set_progress(ProgressSink sink) {
 void RunContext::log(LogLevel level, std::string_view text) const {
   const std::lock_guard lock(shared_->mutex);
   if (shared_->log) shared_->log(level, text);
+  if (listener_) listener_(level, text);
+}
+
+RunContext RunContext::overheard_by(LogSink listener) const {
+  RunContext context = *this;
+  context.listener_ = std::move(listener);
+  return context;
 }
 
 void RunContext::progress(double fraction) const {

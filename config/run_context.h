@@ -34,6 +34,8 @@ class RunContext {
   RunContext& set_progress(ProgressSink sink);
 
   void log(LogLevel level, std::string_view text) const;
+  /// A context like this one that tells `listener`, too, what is logged through it and its parts.
+  RunContext overheard_by(LogSink listener) const;
   void info(std::string_view text) const { log(LogLevel::info, text); }
   void warn(std::string_view text) const { log(LogLevel::warning, text); }
 
@@ -58,6 +60,7 @@ class RunContext {
   double begin_ = 0.0;
   double end_ = 1.0;
   std::string stage_;
+  LogSink listener_;
 };
 
 }  // namespace kinemesh

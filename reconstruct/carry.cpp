@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numeric>
 #include <string>
 
 #include "config/error.h"
@@ -122,6 +124,28 @@ CarrySummary summarise(const std::vector<FrameQuality>& quality, std::size_t ver
   return summary;
 }
 
+std::vector<VertexIndex> flip_suspects(const AnimatedMesh& mesh, const Reference& reference,
+                                       const std::vector<FrameQuality>& quality) {
+  const Topology& topology = mesh.topology();
+  std::vector<std::size_t> times(topology.vertex_count(), 0);
+  for (std::size_t f = 0; f < quality.size(); ++f) {
+    if (quality[f].flipped == 0) continue;
+    const auto normals = face_normals(topology, mesh.frame(f));
+    for (FaceIndex t = 0; t < topology.face_count(); ++t) {
+      if (reference.turned[t] != 0 || !is_turned(topology, normals, t)) continue;
+      for (const VertexIndex v : topology.faces()[t]) ++times[v];
+    }
+  }
+  std::vector<VertexIndex> order(times.size());
+  std::iota(order.begin(), order.end(), VertexIndex{0});
+  std::ranges::stable_sort(order, std::greater{}, [&](VertexIndex v) { return times[v]; });
+  std::erase_if(order, [&](VertexIndex v) {
+    return times[v] == 0 || 2 * times[v] < *std::ranges::max_element(times);
+  });
+  order.resize(std::min<std::size_t>(order.size(), 4));
+  return order;
+}
+
 }  // namespace
 
 void CarryOptions::declare(ParameterSet& p) {
@@ -184,6 +208,7 @@ CarryResult carry_topology(std::shared_ptr<const Topology> topology, const Marke
     result.quality[f].filled = filled;
   });
   result.summary = summarise(result.quality, vertices);
+  result.summary.flip_suspects = flip_suspects(mesh, base, result.quality);
   return result;
 }
 

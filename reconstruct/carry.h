@@ -36,6 +36,9 @@ struct CarrySummary {
   float stretch_min = 1, stretch_max = 1;
   std::size_t filled_samples = 0;
   std::size_t samples = 0;
+  /// Vertices that are corners of flipped triangles most often, at least half as often as the
+  /// first of them, at most four.
+  std::vector<VertexIndex> flip_suspects;
 };
 
 struct CarryResult {

@@ -4,6 +4,8 @@
 #include <numeric>
 
 #include "config/error.h"
+#include "config/text.h"
+#include "reconstruct/named_constraints.h"
 #include "reconstruct/topology_reuse.h"
 
 namespace kinemesh {
@@ -67,6 +69,22 @@ MarkerSequence fill(const Working& working, const ConvertOptions& options, Conve
   return filled.take.select(working.vertices);
 }
 
+/// A forced edge that is much longer than the distance of markers usually joins the wrong ones.
+void warn_of_long_edges(const MarkerSequence& faces, const ConvertOptions& options,
+                        ConvertResult& result) {
+  const TriangulateResult& t = result.triangulation;
+  const double bound = options.triangulate.edge_bound * t.diagnostics.spacing;
+  for (const auto& [a, b] : named_constraints(faces, options.triangulate.edges, {}).edges) {
+    const float length = (faces.position(t.frame, a) - faces.position(t.frame, b)).norm();
+    if (length <= bound) continue;
+    result.warnings.push_back("the edge '" + faces.markers()[a].label + "' to '" +
+                              faces.markers()[b].label + "', as asked for, is " +
+                              format_fixed(length, 0) + " mm long, where markers are " +
+                              format_fixed(t.diagnostics.spacing, 0) +
+                              " mm apart: check the names, and that the openings are still right");
+  }
+}
+
 void describe_source(const MarkerSequence& session, AnimatedMesh& mesh) {
   mesh.provenance.source = session.origin.manufacturer;
   mesh.events = session.events;
@@ -115,6 +133,7 @@ ConvertResult convert_session(const MarkerSequence& session, const ConvertOption
       previous ? reuse_topology(*previous, faces, options.triangulate, meshing).triangulation
                : triangulate(faces, options.triangulate, meshing);
   std::ranges::copy(result.triangulation.diagnostics.warnings, std::back_inserter(result.warnings));
+  warn_of_long_edges(faces, options, result);
   CarryResult carried =
       carry_topology(result.triangulation.topology, faces, result.triangulation.frame,
                      options.carry, ctx.part(0.9, 1.0, "carrying the topology"));

@@ -127,6 +127,17 @@ class Writer {
   OutputSet files_;
 };
 
+/// What the reader found wrong is doubtful in the mesh, too. The first few tell enough.
+void pass_on(std::vector<std::string> findings, std::vector<std::string>& warnings) {
+  constexpr std::size_t most = 6;
+  if (findings.size() > most) {
+    const std::string rest = std::to_string(findings.size() - most);
+    findings.resize(most);
+    findings.push_back(rest + " more findings in the file: see 'kinemesh c3d check'");
+  }
+  warnings.insert(warnings.begin(), findings.begin(), findings.end());
+}
+
 }  // namespace
 
 void ConvertFilesOptions::declare(ParameterSet& p) {
@@ -151,13 +162,20 @@ ConvertFilesResult convert_files(const FormatRegistry& formats, const ConvertJob
                                  const ConvertFilesOptions& options, const RunContext& ctx) {
   options.validate();
   ConvertFilesResult result;
-  result.session = read_session(job.session, options.reading, ctx.part(0.0, 0.1, "reading"));
+  std::vector<std::string> findings;
+  result.session =
+      read_session(job.session, options.reading,
+                   ctx.part(0.0, 0.1, "reading")
+                       .overheard_by([&findings](LogLevel level, std::string_view text) {
+                         if (level >= LogLevel::warning) findings.emplace_back(text);
+                       }));
   // A wrong name or format is said before the work is done, not after it.
   output_format(formats, job.output, options.writing, result.session.frame_count());
   std::optional<Mesh> previous;
   if (!job.previous.empty()) previous = read_mesh(formats, job.previous, {}, ctx);
   result.conversion =
       convert_session(result.session, options.convert, previous, ctx.part(0.1, 0.7, "converting"));
+  pass_on(std::move(findings), result.conversion.warnings);
   result.conversion.animation.provenance = provenance_of(job);
   Writer writer(job, options, result);
   if (options.anonymous) {

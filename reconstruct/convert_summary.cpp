@@ -46,10 +46,11 @@ std::string openings_text(const ConvertResult& result) {
   if (result.triangulation.openings.empty()) return "none";
   std::vector<std::string> parts;
   for (const Opening& opening : result.triangulation.openings) {
-    parts.push_back(
-        std::string(name_of(opening.name)) + " (ring of " +
-        count_of(opening.loop.size(), "marker") +
-        (opening.forced ? ", as asked for)" : ", score " + format_fixed(opening.score, 2) + ")"));
+    parts.push_back(std::string(name_of(opening.name)) + " (ring of " +
+                    count_of(opening.loop.size(), "marker") +
+                    (opening.forced       ? ", as asked for)"
+                     : opening.score == 0 ? ")"  // taken over from another mesh, or a gap
+                                          : ", score " + format_fixed(opening.score, 2) + ")"));
   }
   return join(parts, "; ");
 }
@@ -138,6 +139,20 @@ Json quality_json(const ConvertResult& result) {
           {"edge_stretch_max", s.stretch_max}};
 }
 
+/// Score from which an opening is cut unasked, with the standard options.
+double threshold_of(const Opening& opening) {
+  return opening.name == OpeningName::mouth ? OpeningOptions{}.mouth_seed
+                                            : OpeningOptions{}.eye_score;
+}
+
+std::string suspects_text(const ConvertResult& result) {
+  std::vector<std::string> labels;
+  for (const VertexIndex v : result.summary.flip_suspects) {
+    labels.push_back(label_of(result.markers[v]));
+  }
+  return labels.empty() ? "" : ", first of all " + join(labels, ", ");
+}
+
 }  // namespace
 
 std::vector<std::string> doubts_of(const ConvertResult& result) {
@@ -158,13 +173,22 @@ std::vector<std::string> doubts_of(const ConvertResult& result) {
         std::to_string(result.animation.first_frame + static_cast<int64_t>(fill.frames.end) - 1) +
         ": estimated with an uncertainty of " + format_fixed(fill.mean_sd_mm, 1) + " mm");
   }
+  for (const Opening& opening : result.triangulation.openings) {
+    if (!opening.forced || opening.score >= threshold_of(opening)) continue;
+    doubts.push_back(
+        "the " + std::string(name_of(opening.name)) +
+        " is open as asked for, although the motion hardly shows it (score " +
+        format_fixed(opening.score, 2) + ", by itself from " +
+        format_fixed(threshold_of(opening), 2) +
+        "): check that its ring is the right one: " + join(labels_of(opening, result), ", "));
+  }
   if (result.summary.frames_with_flips > 0) {
     doubts.push_back(count_of(result.summary.frames_with_flips, "frame") + " of " +
                      std::to_string(frames) + " with flipped triangles, most in frame " +
                      std::to_string(result.animation.first_frame +
                                     static_cast<int64_t>(result.summary.worst_frame)) +
                      " (" + std::to_string(result.summary.worst_count) +
-                     "): look there for swapped or jumping markers");
+                     "): look there for swapped or jumping markers" + suspects_text(result));
   }
   return doubts;
 }

@@ -7,9 +7,21 @@
 namespace kinemesh {
 namespace {
 
+std::string what_is_missing(const MarkerSequence& take, const std::string& text) {
+  const auto colon = text.find(':');
+  if (colon == std::string::npos) return "this is not of the form A:B";
+  for (const std::string& label : {text.substr(0, colon), text.substr(colon + 1)}) {
+    if (take.find(label) == MarkerSequence::npos) {
+      return "the mesh has no marker '" + label + "'";
+    }
+  }
+  return "both markers are the same";
+}
+
 /// Marker indices of "A:B" constraints; labels may hold colons themselves.
 std::vector<DirectedEdge> parse_edges(const MarkerSequence& take,
-                                      const std::vector<std::string>& texts) {
+                                      const std::vector<std::string>& texts,
+                                      const std::string& option) {
   std::vector<DirectedEdge> edges;
   for (const std::string& text : texts) {
     bool found = false;
@@ -23,8 +35,9 @@ std::vector<DirectedEdge> parse_edges(const MarkerSequence& take,
       found = true;
     }
     if (!found) {
-      throw UsageError({.what = "'" + text + "' does not name two markers of the mesh as A:B",
-                        .file = take.origin.path});
+      throw UsageError({.what = "--" + option + " " + text + ": " + what_is_missing(take, text),
+                        .file = take.origin.path,
+                        .remedy = "Name two markers of the mesh as A:B"});
     }
   }
   return edges;
@@ -34,7 +47,7 @@ std::vector<DirectedEdge> parse_edges(const MarkerSequence& take,
 
 EdgeConstraints named_constraints(const MarkerSequence& take, const std::vector<std::string>& edges,
                                   const std::vector<std::string>& no_edges) {
-  return {parse_edges(take, edges), parse_edges(take, no_edges)};
+  return {parse_edges(take, edges, "edge"), parse_edges(take, no_edges, "no-edge")};
 }
 
 EdgeConstraints renumbered(EdgeConstraints constraints, const std::vector<VertexIndex>& position) {

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "config/error.h"
+#include "config/text.h"
 #include "reconstruct/delaunay_flips.h"
 #include "reconstruct/edge_motion.h"
 #include "reconstruct/face_frame.h"
@@ -41,6 +42,7 @@ class OpeningCutter {
         points_(points),
         h_(spacing),
         take_(take),
+        original_(original),
         options_(options),
         constraints_(constraints),
         motion_(take, mesh, original, spacing, ctx),
@@ -129,6 +131,17 @@ class OpeningCutter {
     return [this](VertexIndex a, VertexIndex b) { return motion_.of(a, b).used < 0.99; };
   }
   bool in_eye_window(const PlacedStrip& a, const PlacedStrip& b) const;
+  /// Markers' names say that the strip lies somewhere else. Only asked where the motion does not
+  /// decide: an opening that is forced.
+  bool named_like(const PlacedStrip& p, std::initializer_list<std::string_view> words) const {
+    return std::ranges::any_of(p.strip.edges, [&](const DirectedEdge& e) {
+      return std::ranges::any_of(e, [&](VertexIndex v) {
+        const std::string label = lower(take_.markers()[original_[v]].label);
+        return std::ranges::any_of(
+            words, [&](std::string_view word) { return label.find(word) != std::string::npos; });
+      });
+    });
+  }
   Eigen::Vector3d up(const Eigen::Vector3d& eyes) const {
     return frame_.up(points_, mouth_ ? std::optional(mouth_->centre) : std::nullopt, eyes);
   }
@@ -140,6 +153,7 @@ class OpeningCutter {
   const Points& points_;
   double h_;
   const MarkerSequence& take_;
+  const std::vector<VertexIndex>& original_;  // marker of each vertex
   const OpeningOptions& options_;
   const EdgeConstraints& constraints_;
   EdgeMotion motion_;
@@ -165,6 +179,8 @@ void OpeningCutter::cut_mouth() {
     strongest = std::max(strongest, p.strip.peak);
     if (p.strip.edges.size() < 3) {
       reason = "fewer than three edges in a row part";
+    } else if (forced && named_like(p, {"brow", "eye", "lid", "nose", "forehead"})) {
+      reason = "no strip of edges lies at the lips";
     } else if (!straddles(p)) {
       reason = "what parts lies on one side of the face";
     } else {
@@ -231,7 +247,13 @@ void OpeningCutter::cut_eyes() {
   const StripRule rule{shortening,  any_forced ? 0.0 : eye_seed,
                        beyond_skin, any_forced ? 0.0 : eye_floor,
                        eye_share,   doubtful()};
-  const auto pair = best_eyes(strips(rule, 2));
+  std::vector<PlacedStrip> list = strips(rule, 2);
+  if (any_forced) {
+    std::erase_if(list, [this](const PlacedStrip& p) {
+      return named_like(p, {"mouth", "lip", "chin", "jaw"});
+    });
+  }
+  const auto pair = best_eyes(list);
   const double found = pair ? pair->score : 0.0;
   bool cut = false;
   for (const OpeningName name : {OpeningName::left_eye, OpeningName::right_eye}) {
@@ -277,7 +299,7 @@ void OpeningOptions::declare(ParameterSet& p) {
   p.group("openings", "Openings of the face");
   const std::vector<Choice<OpeningMode>> modes{
       {OpeningMode::automatic, "auto", "where the motion shows it"},
-      {OpeningMode::open, "open", "wherever it is most likely"},
+      {OpeningMode::open, "open", "where the motion points to most, however weak it is"},
       {OpeningMode::closed, "closed", "never"}};
   p.choice("mouth", mouth, modes, "whether the mesh is open between the lips");
   p.choice("left-eye", left_eye, modes,

@@ -18,7 +18,7 @@ std::size_t count_measured(const MarkerSequence& take, std::size_t frame) {
 std::size_t frame_numbered(const MarkerSequence& take, int64_t wanted) {
   const int64_t last = take.first_frame + static_cast<int64_t>(take.frame_count()) - 1;
   if (wanted < take.first_frame || wanted > last) {
-    throw UsageError({.what = "there is no frame " + std::to_string(wanted) + " to triangulate",
+    throw UsageError({.what = "--frame " + std::to_string(wanted) + ": there is no such frame",
                       .file = take.origin.path,
                       .remedy = "The take has the frames " + std::to_string(take.first_frame) +
                                 " to " + std::to_string(last)});

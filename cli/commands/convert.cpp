@@ -1,4 +1,6 @@
 // kinemesh convert: a recorded session becomes an animated mesh, with pictures and a summary.
+#include <filesystem>
+
 #include "capture/formats/mesh_formats.h"
 #include "cli/commands/commands.h"
 #include "config/text.h"
@@ -15,6 +17,9 @@ struct State {
 };
 
 ExitCode convert(State& state, Terminal& terminal) {
+  if (state.job.output.empty()) {
+    state.job.output = std::filesystem::path(state.job.session).stem().string() + ".ply";
+  }
   state.job.program = program_version();
   state.job.command = terminal.command_line;
   state.job.options_toml = terminal.options_toml;
@@ -22,7 +27,7 @@ ExitCode convert(State& state, Terminal& terminal) {
       convert_files(all_formats(), state.job, state.options, terminal.run);
   if (terminal.json) {
     terminal.print(summary_json(done.session, done.conversion, done.outputs));
-  } else {
+  } else if (!terminal.quiet) {
     terminal.print(summary_text(done.session, done.conversion) + "written     " +
                    join(done.outputs, "\n            "));
   }
@@ -36,13 +41,15 @@ CommandSpec convert_command() {
           .summary = "Turn a recorded session into an animated mesh, with pictures and a report",
           .example =
               "kinemesh convert session.c3d -o face.ply\n"
-              "kinemesh convert session.c3d -o face.pvd --stabilise --max-gap 0.1\n"
+              "kinemesh convert session.c3d -o face.pvd --stabilise --fill cubic --max-gap 0.1\n"
               "kinemesh convert surprise.c3d -o surprise.ply --topology happy.ply",
           .setup = [](CommandLine& line) -> Action {
             auto state = std::make_shared<State>();
             line.positional("SESSION", state->job.session, "The session: C3D, TRC or CSV");
-            line.option("-o,--output", state->job.output, "OUT",
-                        "File of the animated mesh; its extension decides the format", true);
+            line.option(
+                "-o,--output", state->job.output, "OUT",
+                "File of the animated mesh; its extension decides the format. By default the "
+                "session's name with .ply, in the current folder");
             line.option("--topology", state->job.previous, "PREVIOUS",
                         "Use the triangulation of this mesh again, by marker name");
             line.parameters([state](ParameterSet& p) { state->options.declare(p); });

@@ -141,6 +141,35 @@ TEST(Convert, FilledSamplesAreMarkedInTheMesh) {
   EXPECT_GT(marked, 0U);
 }
 
+TEST(Convert, TheFilledSamplesOfPlyAndPc2AreMarkedToo) {
+  const TemporaryFolder folder;
+  const Converted sample = convert(test::sample_folder() / "ben_happy.c3d",
+                                   folder.path() / "ben.ply", {"--no-pictures"});
+  std::size_t marked = 0;
+  for (const uint8_t filled : sample.mesh.filled()) marked += filled;
+  EXPECT_EQ(marked, sample.summary["quality"]["filled_samples"].get<std::size_t>());
+}
+
+TEST(Convert, OptionsAreDumpedWithoutASession) {
+  const TemporaryFolder folder;
+  const auto dump = test::run_program(KINEMESH_PROGRAM, {"convert", "--dump-config"});
+  EXPECT_EQ(dump.exit_code, 0);
+  EXPECT_NE(dump.out.find("max-gap"), std::string::npos);
+  const auto nothing = test::run_program(KINEMESH_PROGRAM, {"convert"});
+  EXPECT_EQ(nothing.exit_code, 2);
+  EXPECT_NE(nothing.err.find("SESSION is required"), std::string::npos) << nothing.err;
+}
+
+TEST(Convert, AForcedEdgeNamesTheMarkerThatIsMissing) {
+  const TemporaryFolder folder;
+  const std::string session = (test::sample_folder() / "anna_happy.c3d").string();
+  const auto wrong = test::run_program(
+      KINEMESH_PROGRAM, {"convert", session, "-o", folder.path() / "f.ply", "--edge", "LMOU01:B"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_NE(wrong.err.find("--edge LMOU01:B: the mesh has no marker 'B'"), std::string::npos)
+      << wrong.err;
+}
+
 TEST(Convert, CtrlCLeavesNothingBehind) {
   const TemporaryFolder folder;
   bool cancelled = false;
@@ -154,7 +183,8 @@ TEST(Convert, CtrlCLeavesNothingBehind) {
     if (run.exit_code == 130) {
       cancelled = true;
       EXPECT_TRUE(fs::is_empty(out));
-    } else if (run.exit_code == 0) {
+    } else {
+      EXPECT_EQ(run.exit_code, 0) << run.err;
       EXPECT_FALSE(fs::is_empty(out));
     }
   }

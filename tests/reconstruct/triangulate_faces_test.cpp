@@ -1,6 +1,8 @@
 // Generated faces and bodies, whose true surface is known: the figures that the issue demands, on
 // a few takes (bench/triangulation_figures measures many).
 #include <gtest/gtest.h>
+#include <numeric>
+#include <random>
 
 #include <algorithm>
 
@@ -84,13 +86,8 @@ TEST(TriangulateFaces, SameWhateverPoseAndMarkerOrder) {
   const auto take = generated(31, 10.0, MotionKind::surprise);
   const MarkerSequence& markers = take.measured;
   std::vector<std::size_t> order(markers.marker_count());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = (i * 37 + 11) % order.size();
-  std::sort(order.begin(), order.end());
-  order.erase(std::unique(order.begin(), order.end()), order.end());
-  if (order.size() != markers.marker_count()) {
-    order.resize(markers.marker_count());
-    for (std::size_t i = 0; i < order.size(); ++i) order[i] = order.size() - 1 - i;
-  }
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::shuffle(order.begin(), order.end(), std::mt19937(5));
   MarkerSequence moved = markers.select(order);
   const Eigen::Affine3f pose = Eigen::Translation3f(-300, 800, 150) *
                                Eigen::AngleAxisf(2.5F, Eigen::Vector3f(3, -1, 2).normalized());
