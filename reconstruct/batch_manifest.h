@@ -3,7 +3,7 @@
 //   # study.toml                                # study.csv
 //   output = "results"                          session,output,topology
 //   extension = ".glb"                          a/happy.c3d,happy.ply,
-//   [options.gap-filling]                       a/surprise.c3d,surprise.ply,happy.ply
+//   [options.gaps]                              a/surprise.c3d,surprise.ply,happy.ply
 //   max-gap = 0.1
 //   [[session]]
 //   session = "a/happy.c3d"

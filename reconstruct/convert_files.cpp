@@ -143,7 +143,6 @@ void pass_on(std::vector<std::string> findings, std::vector<std::string>& warnin
 void ConvertFilesOptions::declare(ParameterSet& p) {
   reading.declare(p);
   convert.declare(p);
-  p.group("output", "Output");
   writing.declare(p);
   p.group("pictures", "Pictures and report");
   p.flag("pictures", pictures, "draw the mesh at a few frames, and the gaps over time");

@@ -121,6 +121,21 @@ void add_session(HtmlPage& page, const MarkerSequence& session, const ConvertRes
   if (!events.rows.empty()) section.add(events);
 }
 
+/// What filled a gap, as a reader of the report understands it.
+std::string words_of(FillMethod method) {
+  switch (method) {
+    case FillMethod::automatic: return "other markers and time";
+    case FillMethod::linear: return "straight line";
+    case FillMethod::cubic: return "cubic spline";
+    case FillMethod::quintic: return "quintic spline";
+    case FillMethod::pattern: return "a donor marker";
+    case FillMethod::rigid: return "rigid companions";
+    case FillMethod::pca: return "correlations of markers";
+    case FillMethod::hold: return "nearest position held";
+  }
+  return {};
+}
+
 /// Worst markers first.
 Table gap_table(const ConvertResult& result, std::size_t most) {
   std::vector<const MarkerGaps*> worst;
@@ -132,7 +147,7 @@ Table gap_table(const ConvertResult& result, std::size_t most) {
   for (const Fill& fill : result.fills) {
     auto& [sd, methods] = fills[fill.marker];
     sd = std::max(sd, fill.mean_sd_mm);
-    const std::string name(name_of(fill.method));
+    const std::string name = words_of(fill.method);
     if (methods.find(name) == std::string::npos) methods += (methods.empty() ? "" : ", ") + name;
   }
   Table table{"Markers with gaps (" + std::to_string(worst.size()) + ")",

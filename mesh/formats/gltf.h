@@ -1,6 +1,6 @@
 // glTF 2.0 (Khronos, 2021) and GLB: the mesh in metres with Y up, its motion as morph targets.
 //
-// Written: positions, normals (of the mean shape), indices, vertex colours on request, one morph
+// Written: positions, normals (of the first frame), indices, vertex colours on request, one morph
 // target per mode and one animation of their weights (mesh/formats/morph_animation.h); rate, frame
 // count, errors reached and the lines of mesh/formats/metadata.h under asset.extras.kinemesh. No
 // extensions, so every viewer plays it. `.gltf` has its data in a `.bin` of the same stem.

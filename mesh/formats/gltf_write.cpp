@@ -141,12 +141,11 @@ class GltfWriter {
     return accessor;
   }
 
+  /// Of the first frame, which is what the initial weights show.
   std::vector<float> normals() const {
     std::vector<Eigen::Vector3d> sums(animation_.vertex_count, Eigen::Vector3d::Zero());
     const auto point = [this](VertexIndex v) {
-      return Eigen::Vector3d(
-          Eigen::Map<const Eigen::Vector3f>(animation_.base.data() + 3 * std::size_t{v})
-              .cast<double>());
+      return Eigen::Vector3d(mesh_.position(0, v).cast<double>());
     };
     for (const Triangle& t : mesh_.topology().faces()) {
       const Eigen::Vector3d area = (point(t[1]) - point(t[0])).cross(point(t[2]) - point(t[0]));

@@ -188,23 +188,25 @@ class MorphFitter {
     out.target_count = choice.modes;
     out.keys = key_frames(mesh_.frame_count(), choice.step);
     out.base.resize(3 * out.vertex_count);
-    std::transform(pca_.mean.begin(), pca_.mean.end(), out.base.begin(),
-                   [](float mm) { return static_cast<float>(mm * 1e-3); });
+    Eigen::VectorXd base = pca_.mean.cast<double>();
     out.targets.resize(choice.modes * out.base.size());
     out.weights.resize(out.keys.size() * choice.modes);
     for (std::size_t k = 0; k < choice.modes; ++k) {
       const std::vector<double> fit = fit_linear_spline(score(k), out.keys);
-      double largest = 0;
-      for (const double w : fit) largest = std::max(largest, std::abs(w));
-      if (largest == 0) largest = 1;
+      // Weights run from 0 to 1: Blender 3.4 clamps them to the range that it finds at the start.
+      const auto [low, high] = std::ranges::minmax(fit);
+      const double span = high > low ? high - low : 1.0;
       const auto mode = pca_.modes.col(static_cast<Eigen::Index>(k));
       std::transform(mode.begin(), mode.end(),
                      out.targets.begin() + static_cast<std::ptrdiff_t>(k * out.base.size()),
-                     [largest](float m) { return static_cast<float>(m * largest * 1e-3); });
+                     [span](float m) { return static_cast<float>(m * span * 1e-3); });
+      base += low * mode.cast<double>();
       for (std::size_t i = 0; i < fit.size(); ++i) {
-        out.weights[i * choice.modes + k] = static_cast<float>(fit[i] / largest);
+        out.weights[i * choice.modes + k] = static_cast<float>((fit[i] - low) / span);
       }
     }
+    std::transform(base.begin(), base.end(), out.base.begin(),
+                   [](double mm) { return static_cast<float>(mm * 1e-3); });
     return out;
   }
 

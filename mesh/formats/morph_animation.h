@@ -18,10 +18,10 @@ namespace kinemesh {
 
 struct MorphAnimation {
   std::size_t vertex_count = 0, target_count = 0;
-  std::vector<float> base;        ///< vertices × 3, metres, axes as in the mesh
+  std::vector<float> base;        ///< vertices × 3, metres, axes as in the mesh; all weights 0
   std::vector<float> targets;     ///< targets × vertices × 3, metres
   std::vector<std::size_t> keys;  ///< frame of each key, ascending; first and last frame included
-  std::vector<float> weights;     ///< keys × targets, within about [−1, 1]
+  std::vector<float> weights;     ///< keys × targets, within [0, 1]
   double max_error_mm = 0.0;      ///< measured over all vertices and frames
   double rms_error_mm = 0.0;
 };

@@ -183,6 +183,10 @@ void expect_valid(const Glb& glb, std::size_t vertices) {
   if (targets > 0) {
     EXPECT_EQ(mesh.at("weights").size(), targets);
     EXPECT_EQ(mesh.at("extras").at("targetNames").size(), targets);
+    for (const Json& weight : mesh.at("weights")) {
+      EXPECT_GE(weight.get<double>(), 0.0);
+      EXPECT_LE(weight.get<double>(), 1.0);
+    }
   }
   for (const Json& node : glb.json.at("nodes")) EXPECT_EQ(node.at("mesh"), 0);
   EXPECT_EQ(glb.json["scenes"][glb.json["scene"].get<std::size_t>()]["nodes"], Json({0}));

@@ -3,6 +3,8 @@
 pvpython in_paraview.py JOBS.json ANSWERS.json; JOBS as for in_blender.py.
 """
 import json
+import os
+import shutil
 import sys
 import traceback
 
@@ -46,13 +48,9 @@ def pvd(job):
 
 
 def gltf(job):
-    reader = simple.glTFReader(FileName=job["path"]) if hasattr(simple, "glTFReader") else simple.OpenDataFile(job["path"])
-    for name in ("FrameRate",):
-        if hasattr(reader, name):
-            setattr(reader, name, int(job["rate"]))
-    if hasattr(reader, "AnimationSelection"):
-        reader.UpdatePipelineInformation()
-        reader.AnimationSelection = [reader.AnimationInfo[0], "1"]
+    reader = simple.glTFReader(FileName=job["path"])
+    reader.Framerate = int(job["rate"])
+    reader.AnimationStatus = ["motion", "1"]
     reader.UpdatePipelineInformation()
     return at_times(reader, [f / job["rate"] for f in job["frames"]])
 
@@ -68,7 +66,10 @@ def vtp(path):
 
 
 def ply(path):
-    return simple.PLYReader(FileNames=[path])
+    # A name ending in a number would be taken for one of a series.
+    copy = os.path.join(os.path.dirname(path), "still.ply")
+    shutil.copyfile(path, copy)
+    return simple.PLYReader(FileNames=[copy])
 
 
 LOADERS = {"vtp": lambda j: each(j, vtp), "pvd": pvd, "ply": lambda j: each(j, ply), "ply ascii": lambda j: each(j, ply),
