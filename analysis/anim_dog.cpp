@@ -159,10 +159,10 @@ void prepare(Detector& d) {
   temporal_levels(d);
   set_coefficients(d);
   d.scales.ends = d.options.end_scales;
-  float largest = 0.0F;
-  for (const float v : d.scalar.values) largest = std::max(largest, std::abs(v));
+  const auto [low, high] = std::minmax_element(d.scalar.values.begin(), d.scalar.values.end());
+  d.space.offset = *low;
   d.scales.limit =
-      -1e-5F * largest * *std::max_element(d.scales.space.begin(), d.scales.space.end());
+      -1e-6F * (*high - *low) * *std::max_element(d.scales.space.begin(), d.scales.space.end());
 }
 
 /// Whether D at the tile's row is below that of all its neighbours in this frame and the next ones.

@@ -91,14 +91,15 @@ double SpatialLevels::passes() const {
 }
 
 FrameBlock::FrameBlock(const VertexCurves& scalar, const RowOrder& order, std::size_t first,
-                       std::size_t frames)
+                       std::size_t frames, float offset)
     : rows_(order.order.size()),
       stride_((frames + lanes - 1) / lanes * lanes),
       current_(rows_ * stride_, 0.0F),
       next_(rows_ * stride_) {
   for (std::size_t r = 0; r < rows_; ++r) {
-    std::memcpy(current_.data() + r * stride_, scalar.of(order.order[r]).data() + first,
-                frames * sizeof(float));
+    const auto curve = scalar.of(order.order[r]).subspan(first, frames);
+    std::transform(curve.begin(), curve.end(), current_.data() + r * stride_,
+                   [offset](float d) { return d - offset; });
   }
 }
 
@@ -143,7 +144,7 @@ TileLevels make_tile(const SpatialLevels& levels, const RowOrder& order, const V
   tile.values = Buffer<float>(tile.rows.size() * tile.level_count * tile.frame_count);
   parallel_chunks(ctx, scalar.frame_count, lanes, [&](std::size_t first, std::size_t last) {
     const FlushDenormals flush;
-    FrameBlock block(scalar, order, first, last - first);
+    FrameBlock block(scalar, order, first, last - first, levels.offset);
     for (std::size_t k = 0; k < tile.level_count; ++k) {
       ctx.check_cancelled();
       block.smooth(levels.filter, levels.steps[k]);

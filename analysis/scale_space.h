@@ -41,6 +41,7 @@ struct SpatialLevels {
   std::vector<double> variances;  ///< mm², per axis, mean over the mesh; levels + 1
   /// Ring filter: the variance at each row, rows × (levels + 1); empty otherwise.
   std::vector<float> local_variances;
+  float offset = 0.0F;           ///< taken off the scalar first: D does not feel it, rounding does
   std::vector<LevelStep> steps;  ///< steps[0] leads to level 0, steps[k] from k − 1 to k
   double passes() const;
 };
@@ -49,9 +50,9 @@ struct SpatialLevels {
 class FrameBlock {
  public:
   static constexpr std::size_t lanes = 16;
-  /// Frames [first, first + frames) of the scalar, frames ≤ 2 · lanes.
+  /// Frames [first, first + frames) of the scalar, less `offset`.
   FrameBlock(const VertexCurves& scalar, const RowOrder& order, std::size_t first,
-             std::size_t frames);
+             std::size_t frames, float offset = 0.0F);
   void smooth(const SurfaceFilter& filter, const LevelStep& step);
   const float* row(std::size_t r) const { return current_.data() + r * stride_; }
 

@@ -18,6 +18,9 @@ std::vector<CommandSpec> all_commands() {
       geodesics_command(),
       match_command(),
       solve_matching_command(),
+      deformation_command(),
+      features_command(),
+      evaluate_features_command(),
       hash_command(),
   };
   // clang-format on
