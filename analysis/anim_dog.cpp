@@ -133,9 +133,12 @@ void set_coefficients(Detector& d) {
   dog::Scales& s = d.scales;
   const bool thesis = d.options.norm == ScaleNorm::thesis;
   // Units of σ and τ: edges and frames, or the first level of each.
+  const auto first_of = [](const std::vector<double>& v) {
+    return v[0] > 0.0 ? v[0] : std::max(v[1], 1e-300);
+  };
   const double unit =
-      thesis ? d.rest.mean_edge_mm * d.rest.mean_edge_mm : std::max(d.space.variances[0], 1e-300);
-  const double time_unit = thesis ? 1.0 : d.time_variances[0];
+      thesis ? d.rest.mean_edge_mm * d.rest.mean_edge_mm : first_of(d.space.variances);
+  const double time_unit = thesis ? 1.0 : first_of(d.time_variances);
   for (std::size_t k = 0; k < s.sigma_levels; ++k) {
     for (std::size_t l = 0; l < s.tau_levels; ++l) {
       const double var = d.space.variances[k] / unit, tau_var = d.time_variances[l] / time_unit;

@@ -50,6 +50,9 @@ inline std::pair<float, float> eigenvalues(float c00, float c01, float c11) {
   return {half + root, std::max(half - root, 0.0F)};
 }
 
+/// Strain below it is rounding of float positions.
+constexpr float rounding = 2e-6F;
+
 inline float half_log(float eigenvalue) { return 0.5F * std::log(std::max(eigenvalue, 1e-12F)); }
 
 /// Smooth weight of a vertex at a distance, so that none enters or leaves a ball at once.
@@ -175,7 +178,9 @@ void measure_row(const float* tensor, std::size_t frames, StrainMeasure measure,
       case StrainMeasure::lambda: out[f] = first; break;
       case StrainMeasure::green: out[f] = 0.5F * (first - 1.0F); break;
       case StrainMeasure::log: out[f] = std::max(half_log(first), 0.0F); break;
-      case StrainMeasure::root_log: out[f] = std::sqrt(std::max(half_log(first), 0.0F)); break;
+      case StrainMeasure::root_log:
+        out[f] = std::sqrt(std::max(half_log(first) - rounding, 0.0F));
+        break;
       case StrainMeasure::log_norm: out[f] = std::hypot(half_log(first), half_log(second)); break;
     }
   }
