@@ -42,7 +42,7 @@ struct FeatureMatchingOptions {
   int coherence_neighbours = 4;
   double descriptor = 1.0;   ///< λ_dscr
   double geodesic = 4.0;     ///< λ_geod
-  double orientation = 4.0;  ///< λ_orient
+  double orientation = 1.5;  ///< λ_orient
   double matched = 1.5;      ///< λ_unmat
   double coherence = 0.05;   ///< λ_coh
   double reject = 0.12;      ///< relative distortion above which a match is taken back; 0: never
