@@ -33,11 +33,12 @@ void FeatureMatchingOptions::declare(ParameterSet& p) {
            {.min = 0, .max = 1e3, .help = "Weight of neighbours being matched or not alike"});
   p.number("weight-time", time_weight,
            {.min = 0, .max = 1e3, .help = "Weight of the moment beside each descriptor"});
-  p.number("reject", reject,
-           {.min = 0,
-            .max = 2,
-            .help = "Take back matches whose distances to the others change by more than this part "
-                    "(median); 0: none"});
+  p.number(
+      "reject", reject,
+      {.min = 0,
+       .max = 2,
+       .help = "Take back matches whose distances and twists to the others change by more than "
+               "this in the median; 0: none"});
   p.choice("prior", prior,
            {{GeodesicPrior::none, "none", "not used"},
             {GeodesicPrior::printed, "printed", "both increase or both decrease (Algorithm 5-3)"},
@@ -133,9 +134,9 @@ void reject_outliers(const FeatureEnergy& energy, double limit, std::vector<Feat
       std::vector<double> distortions;
       for (std::size_t o = 0; o < matches.size(); ++o) {
         if (o == k) continue;
-        distortions.push_back(
-            energy.pair(matches[k].source, matches[o].source, matches[k].target, matches[o].target)
-                .geodesic);
+        const PairTerms terms =
+            energy.pair(matches[k].source, matches[o].source, matches[k].target, matches[o].target);
+        distortions.push_back(terms.geodesic + terms.orientation);
       }
       if (const double m = median(std::move(distortions)); m > worst) {
         worst = m;

@@ -45,7 +45,7 @@ struct FeatureMatchingOptions {
   double orientation = 1.5;  ///< λ_orient
   double matched = 1.5;      ///< λ_unmat
   double coherence = 0.05;   ///< λ_coh
-  double reject = 0.12;      ///< relative distortion above which a match is taken back; 0: never
+  double reject = 0.2;  ///< median geodesic + orientation term above which a match is taken back
   double time_weight = 1.0;  ///< of the difference in normalised time, beside the descriptors
   GeodesicPrior prior = GeodesicPrior::none;
   double prior_tolerance = 0.05;  ///< of the curve's range

@@ -30,7 +30,7 @@ struct MatchingProblem {
   uint32_t left_count = 0, right_count = 0;
   std::vector<MatchingAssignment> assignments{};  ///< each (left, right) at most once
   std::vector<MatchingPair> pairs{};              ///< costs of a pair named twice add up
-  double constant = 0.0;                        ///< added to every energy
+  double constant = 0.0;                          ///< added to every energy
 
   /// Throws InputError naming the assignment or pair for an index out of range, a cost that is not
   /// finite, a pair of an assignment with itself, or an assignment given twice.

@@ -66,7 +66,8 @@ TEST(SolveMatching, LargerProblemsAreProvedOrBounded) {
 
 TEST(SolveMatching, LittleMemoryGivesAWeakerBoundNotAWrongOne) {
   const MatchingProblem p = test::make_instance(InstanceKind::sparse, 60, 4);
-  const MatchingResult r = solve_matching(p, {.time_limit_s = 0.5, .iterations = 2, .memory_mb = 8});
+  const MatchingResult r =
+      solve_matching(p, {.time_limit_s = 0.5, .iterations = 2, .memory_mb = 8});
   expect_sound(p, r);
   const MatchingProblem small = test::make_instance(InstanceKind::geometric, 5, 4);
   const MatchingResult none = solve_matching(small, {.time_limit_s = 0.05, .memory_mb = 1});
