@@ -24,8 +24,8 @@ const std::array<std::array<double, bins>, bins>& bin_angles() {
   static const auto table = [] {
     std::array<Eigen::Vector3d, bins> directions;
     for (std::size_t b = 0; b < bins; ++b) {
-      const double theta =
-          (static_cast<double>(b / azimuths) + 0.5) * std::numbers::pi / elevations;
+      const std::size_t ring = b / azimuths;
+      const double theta = (static_cast<double>(ring) + 0.5) * std::numbers::pi / elevations;
       const double phi =
           (static_cast<double>(b % azimuths) + 0.5) * 2 * std::numbers::pi / azimuths;
       directions[b] = {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi),

@@ -335,10 +335,9 @@ class Comparison {
     double largest = 0.0;
     for (std::size_t k = missing ? 16 : 0; k < 17; ++k) {
       const bool both_nan = std::isnan(x[k]) && std::isnan(y[k]);
-      if (!both_nan)
-        largest =
-            std::max(largest, std::abs(static_cast<double>(x[k]) - static_cast<double>(y[k])));
-      if (!both_nan && std::isnan(x[k]) != std::isnan(y[k])) return 1.0;
+      if (both_nan) continue;
+      if (std::isnan(x[k]) != std::isnan(y[k])) return 1.0;
+      largest = std::max(largest, std::abs(static_cast<double>(x[k]) - static_cast<double>(y[k])));
     }
     return largest;
   }

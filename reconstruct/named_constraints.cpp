@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "config/error.h"
+#include "config/text.h"
 
 namespace kinemesh {
 namespace {
@@ -35,7 +36,7 @@ std::vector<DirectedEdge> parse_edges(const MarkerSequence& take,
       found = true;
     }
     if (!found) {
-      throw UsageError({.what = "--" + option + " " + text + ": " + what_is_missing(take, text),
+      throw UsageError({.what = join({"--" + option, text + ":", what_is_missing(take, text)}, " "),
                         .file = take.origin.path,
                         .remedy = "Name two markers of the mesh as A:B"});
     }

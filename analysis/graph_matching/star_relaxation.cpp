@@ -127,7 +127,8 @@ void StarRelaxation::gather(uint32_t a) {
   }
   if (!columns_complete_) {  // each column once
     std::ranges::sort(star_columns_);
-    star_columns_.erase(std::ranges::unique(star_columns_).begin(), star_columns_.end());
+    star_columns_.erase(std::unique(star_columns_.begin(), star_columns_.end()),
+                        star_columns_.end());
   }
 }
 

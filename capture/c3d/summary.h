@@ -35,7 +35,7 @@ struct C3dSummary {
   std::string manufacturer;
   std::string processor, storage;  ///< "intel", "dec", "sgi"; "int", "float"; empty unless C3D
   double scale = 0.0;              ///< mm per integer step; 0 for floats
-  std::size_t rotations = 0;  ///< of group ROTATION
+  std::size_t rotations = 0;       ///< of group ROTATION
   std::size_t analog_channels = 0;
   double analog_rate_hz = 0.0;
   std::vector<std::string> analog_labels;

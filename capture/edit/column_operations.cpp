@@ -123,7 +123,7 @@ class Delete : public EditOperation {
     const FrameSpan span = frames_between(take, from_, to_);
     const std::string what =
         hit.size() == 1 ? take.markers()[hit[0]].label : count_of(hit.size(), "marker");
-    const std::string text = "deleted " + what + span_text(take, span);
+    std::string text = "deleted " + what + span_text(take, span);
     if (span.begin == 0 && span.end == take.frame_count()) {
       drop_columns(take, kept);
       return text;

@@ -78,7 +78,10 @@ void settle(MeshData& data, const ReadOptions& options, const std::string& file,
   std::erase_if(data.faces,
                 [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
   data.dropped_faces += before - data.faces.size();
-  for (const std::string& warning : data.warnings) ctx.warn(file + ": " + warning);
+  for (const std::string& warning : data.warnings) {
+    std::string line = file;
+    ctx.warn(line.append(": ").append(warning));
+  }
   if (data.polygons > 0) {
     ctx.info(file + ": " + count_of(data.polygons, "polygon") + " triangulated");
   }

@@ -13,6 +13,7 @@
 #include "capture/formats/trc.h"
 #include "config/error.h"
 #include "config/input_file.h"
+#include "config/output_file.h"
 #include "mesh/formats/npz.h"
 #include "tests/support/temporary_folder.h"
 
@@ -366,13 +367,14 @@ TEST(SessionNpz, HoldsEverything) {
   EXPECT_EQ(npz_array(npz, "event_times_s").numbers(), (std::vector<double>{0.39, 0.4}));
 }
 
-TEST(SessionExport, UnknownExtensionAndMissingFolderAreNamed) {
+TEST(SessionExport, UnknownExtensionAndImpossibleFolderAreNamed) {
   EXPECT_THROW(export_format_of("take.xlsx"), UsageError);
   const test::TemporaryFolder folder;
+  write_file(folder.path() / "file", "");
   for (const char* name : {"take.csv", "take.trc", "take.json", "take.npz"}) {
-    EXPECT_THROW(export_session(sample_take(), folder.path() / "missing" / name), InputError);
+    EXPECT_THROW(export_session(sample_take(), folder.path() / "file" / name), InputError);
   }
-  EXPECT_EQ(folder.entry_count(), 0U);
+  EXPECT_EQ(folder.entry_count(), 1U);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "config/error.h"
+#include "config/output_file.h"
 #include "mesh/formats/mesh_io.h"
 #include "tests/support/random_animation.h"
 #include "tests/support/temporary_folder.h"
@@ -138,8 +139,9 @@ TEST(Formats, WrongPathsAndFormatsAreExplained) {
   EXPECT_NE(writing("a.xyz", "").find("no writer for files named like 'a.xyz'"), std::string::npos);
   EXPECT_NE(writing("a.ply", "objj").find("Did you mean 'obj'?"), std::string::npos);
   EXPECT_NE(writing("a.obj", "ply").find("End it with .ply"), std::string::npos);
-  EXPECT_NE(writing("missing/a.pc2", "").find("cannot write"), std::string::npos);
   EXPECT_EQ(folder.entry_count(), 0U);
+  write_file(folder.path() / "file", "");
+  EXPECT_NE(writing("file/a.pc2", "").find("cannot create the folder"), std::string::npos);
   const auto reading = [&](const std::string& name) {
     return message_of([&] { read_animation(formats(), folder.path() / name); });
   };
