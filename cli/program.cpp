@@ -1,4 +1,6 @@
 // Building the parser from all_commands(), and running one command of it.
+#include <unistd.h>
+
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -189,6 +191,7 @@ Program::Program()
 }
 
 int run_program(int argc, char** argv) {
+  std::signal(SIGINT, [](int) { ::_exit(static_cast<int>(ExitCode::cancelled)); });
   try {
     Program program;
     if (generate(program, argc, argv)) return 0;

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "capture/edit_list.h"
 #include "config/input_file.h"
 #include "config/output_file.h"
 #include "config/text.h"
@@ -39,6 +40,7 @@ Provenance provenance_of(const ConvertJob& job) {
   if (!job.previous.empty() && fs::is_regular_file(job.previous)) {
     p.inputs.push_back({job.previous, sha256_of_file(job.previous)});
   }
+  if (!job.edits.empty()) p.inputs.push_back({job.edits, sha256_of_file(job.edits)});
   return p;
 }
 
@@ -46,6 +48,7 @@ Anonymiser anonymiser_of(const ConvertJob& job, const MarkerSequence& session) {
   Anonymiser anonymiser(session);
   anonymiser.add_path(job.session, "session" + fs::path(job.session).extension().string());
   anonymiser.add_path(job.previous, "previous" + fs::path(job.previous).extension().string());
+  anonymiser.add_path(job.edits, "edits.toml");
   anonymiser.add_path(job.output, "mesh" + fs::path(job.output).extension().string());
   anonymiser.add(stem_of(job.output).filename().string(), "mesh");
   return anonymiser;
@@ -168,6 +171,11 @@ ConvertFilesResult convert_files(const FormatRegistry& formats, const ConvertJob
                        .overheard_by([&findings](LogLevel level, std::string_view text) {
                          if (level >= LogLevel::warning) findings.emplace_back(text);
                        }));
+  if (!job.edits.empty()) {
+    EditResult edited = apply_edits(result.session, read_edits(job.edits), ctx);
+    result.session = std::move(edited.take);
+    for (const std::string& done : edited.done) ctx.info(done);
+  }
   // A wrong name or format is said before the work is done, not after it.
   output_format(formats, job.output, options.writing, result.session.frame_count());
   std::optional<Mesh> previous;

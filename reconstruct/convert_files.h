@@ -31,6 +31,7 @@ struct ConvertJob {
   std::string session;
   std::string output;    ///< of the mesh; the other files lie beside it
   std::string previous;  ///< mesh whose triangulation is used again; may be empty
+  std::string edits;     ///< list of steps that the session is edited by first; may be empty
   std::string program;   ///< these three for the provenance
   std::string command;
   std::string options_toml;

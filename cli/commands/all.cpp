@@ -14,6 +14,8 @@ std::vector<CommandSpec> all_commands() {
       c3d_check_command(),
       c3d_diff_command(),
       c3d_export_command(),
+      c3d_quality_command(),
+      c3d_process_command(),
       c3d_evaluate_fill_command(),
       geodesics_command(),
       match_command(),
@@ -27,7 +29,7 @@ std::vector<CommandSpec> all_commands() {
 }
 
 std::string family_summary(std::string_view family) {
-  if (family == "c3d") return "Inspect, check, repair, compare and convert C3D sessions";
+  if (family == "c3d") return "Inspect, check, grade, clean, compare and convert C3D sessions";
   if (family == "evaluate") return "Measure results against a known truth";
   throw InternalError("the command family '" + std::string(family) + "' has no summary");
 }

@@ -52,6 +52,8 @@ CommandSpec convert_command() {
                 "session's name with .ply, in the current folder");
             line.option("--topology", state->job.previous, "PREVIOUS",
                         "Use the triangulation of this mesh again, by marker name");
+            line.option("--edits", state->job.edits, "FILE",
+                        "Edit the session by this list of steps first (see c3d process)");
             line.parameters([state](ParameterSet& p) { state->options.declare(p); });
             line.json_output();
             return [state](Terminal& terminal) { return convert(*state, terminal); };
