@@ -83,7 +83,7 @@ TEST(Convert, RealTakesGiveSoundMeshes) {
   KINEMESH_NEED_DATA("c3d_face/Facial-Sing.c3d");
   const fs::path takes = test::data_folder() / "c3d_face";
   const TemporaryFolder folder;
-  const std::vector<std::string> fast{"--no-pictures"};
+  const std::vector<std::string> fast{"--no-pictures", "--no-report"};
   const Converted sing = convert(takes / "Facial-Sing.c3d", folder.path() / "sing.ply", fast);
   expect_sound(sing);
   EXPECT_EQ(sing.mesh.vertex_count(), 31U);
@@ -103,16 +103,17 @@ TEST(Convert, RealTakesGiveSoundMeshes) {
 TEST(Convert, ATopologyIsUsedAgainByMarkerName) {
   const TemporaryFolder folder;
   const Converted happy = convert(test::sample_folder() / "anna_happy.c3d",
-                                  folder.path() / "happy.ply", {"--no-pictures"});
+                                  folder.path() / "happy.ply", {"--no-pictures", "--no-report"});
   const Converted surprise =
       convert(test::sample_folder() / "anna_surprise.c3d", folder.path() / "surprise.ply",
-              {"--no-pictures", "--topology", folder.path() / "happy.ply"});
+              {"--no-pictures", "--no-report", "--topology", folder.path() / "happy.ply"});
   EXPECT_EQ(surprise.mesh.topology(), happy.mesh.topology());
   EXPECT_EQ(surprise.mesh.vertex_names, happy.mesh.vertex_names);
   // One marker fewer: the rest keeps its edges, and the missing one is said.
   const Converted fewer =
       convert(test::sample_folder() / "anna_surprise.c3d", folder.path() / "fewer.ply",
-              {"--no-pictures", "--topology", folder.path() / "happy.ply", "--exclude", "CNOS03"});
+              {"--no-pictures", "--no-report", "--topology", folder.path() / "happy.ply",
+               "--exclude", "CNOS03"});
   EXPECT_EQ(fewer.mesh.vertex_count(), happy.mesh.vertex_count() - 1);
   EXPECT_TRUE(fewer.mesh.topology().is_manifold());
   EXPECT_NE(fewer.summary["doubtful"].dump().find("CNOS03"), std::string::npos);
@@ -123,7 +124,7 @@ TEST(Convert, TheNumberOfThreadsDoesNotChangeAByte) {
   const fs::path session = test::sample_folder() / "anna_happy.c3d";
   std::vector<std::string> bytes;
   for (const std::string threads : {"1", "3"}) {
-    convert(session, folder.path() / "face.ply", {"--threads", threads});
+    convert(session, folder.path() / "face.ply", {"--threads", threads, "--no-report"});
     bytes.push_back(read_file(folder.path() / "face.pc2") +
                     read_file(folder.path() / "face_frames.png") +
                     read_file(folder.path() / "face_quality.csv"));
@@ -134,7 +135,7 @@ TEST(Convert, TheNumberOfThreadsDoesNotChangeAByte) {
 TEST(Convert, FilledSamplesAreMarkedInTheMesh) {
   const TemporaryFolder folder;
   const Converted sample = convert(test::sample_folder() / "ben_happy.c3d",
-                                   folder.path() / "ben.pvd", {"--no-pictures"});
+                                   folder.path() / "ben.pvd", {"--no-pictures", "--no-report"});
   std::size_t marked = 0;
   for (const uint8_t filled : sample.mesh.filled()) marked += filled;
   EXPECT_EQ(marked, sample.summary["quality"]["filled_samples"].get<std::size_t>());
@@ -144,7 +145,7 @@ TEST(Convert, FilledSamplesAreMarkedInTheMesh) {
 TEST(Convert, TheFilledSamplesOfPlyAndPc2AreMarkedToo) {
   const TemporaryFolder folder;
   const Converted sample = convert(test::sample_folder() / "ben_happy.c3d",
-                                   folder.path() / "ben.ply", {"--no-pictures"});
+                                   folder.path() / "ben.ply", {"--no-pictures", "--no-report"});
   std::size_t marked = 0;
   for (const uint8_t filled : sample.mesh.filled()) marked += filled;
   EXPECT_EQ(marked, sample.summary["quality"]["filled_samples"].get<std::size_t>());

@@ -52,7 +52,7 @@ TEST_F(Process, WritesTablesAndConvertTakesTheList) {
     EXPECT_GT(fs::file_size(in(name)), 10000U);
   }
   const auto mesh = run({"convert", session_, "-o", in("face.ply"), "--edits", in("list.toml"),
-                         "--no-pictures", "--json"});
+                         "--no-pictures", "--no-report", "--json"});
   ASSERT_EQ(mesh.exit_code, 0) << mesh.err;
   EXPECT_NE(mesh.out.find("100"), std::string::npos);
 }
