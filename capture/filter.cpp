@@ -1,0 +1,259 @@
+#include "capture/filter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "capture/filter/butterworth.h"
+#include "capture/filter/windows.h"
+#include "capture/gaps.h"
+#include "config/error.h"
+#include "config/parallel.h"
+#include "config/text.h"
+
+namespace kinemesh {
+namespace {
+
+constexpr std::size_t shortest_run = 3;  // frames; below there is nothing to smooth
+constexpr double least_cutoff_hz = 1.0;
+constexpr double highest_share = 0.45;  // of the rate
+
+std::vector<FrameRange> runs_of(const MarkerSequence& take, std::size_t marker) {
+  std::vector<FrameRange> runs;
+  const auto usable = [&](std::size_t f) {
+    return take.valid(f, marker) && take.position(f, marker).allFinite();
+  };
+  for (std::size_t f = 0; f < take.frame_count(); ++f) {
+    if (!usable(f)) continue;
+    FrameRange run{f, f};
+    while (run.end < take.frame_count() && usable(run.end)) ++run.end;
+    runs.push_back(run);
+    f = run.end;
+  }
+  return runs;
+}
+
+std::vector<double> coordinate(const MarkerSequence& take, std::size_t marker, FrameRange run,
+                               Eigen::Index axis) {
+  std::vector<double> values;
+  values.reserve(run.size());
+  for (std::size_t f = run.begin; f < run.end; ++f) {
+    values.push_back(take.position(f, marker)[axis]);
+  }
+  return values;
+}
+
+/// What filtering one marker did.
+struct MarkerTally {
+  double cutoff_hz = std::numeric_limits<double>::quiet_NaN();
+  double squares = 0.0;
+  std::size_t samples = 0, runs = 0, short_runs = 0;
+};
+
+double cutoff_for(const MarkerSequence& take, std::size_t marker,
+                  const std::vector<FrameRange>& runs, const FilterOptions& options) {
+  if (options.cutoff_hz > 0.0) return options.cutoff_hz;
+  std::vector<std::vector<double>> series;
+  for (const FrameRange run : runs) {
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      series.push_back(coordinate(take, marker, run, axis));
+    }
+  }
+  return suggest_cutoff(series, take.rate_hz, options.order);
+}
+
+MarkerTally filter_marker(MarkerSequence& take, std::size_t marker, FilterOptions options) {
+  MarkerTally tally;
+  const std::vector<FrameRange> runs = runs_of(take, marker);
+  if (options.method == FilterMethod::butterworth && !runs.empty()) {
+    options.cutoff_hz = cutoff_for(take, marker, runs, options);
+    tally.cutoff_hz = options.cutoff_hz;
+  }
+  for (const FrameRange run : runs) {
+    if (run.size() < shortest_run) {
+      ++tally.short_runs;
+      continue;
+    }
+    ++tally.runs;
+    tally.samples += run.size();
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      std::vector<double> values = coordinate(take, marker, run, axis);
+      filter_series(values, take.rate_hz, options);
+      for (std::size_t i = 0; i < values.size(); ++i) {
+        float& place = take.position(run.begin + i, marker)[axis];
+        tally.squares += (values[i] - place) * (values[i] - place);
+        place = static_cast<float>(values[i]);
+      }
+    }
+  }
+  return tally;
+}
+
+/// RMS of what a cut-off takes away.
+double residual(std::span<const std::vector<double>> runs, double rate_hz, int order,
+                double cutoff_hz) {
+  const auto sections = filter::butterworth_sections(order, cutoff_hz, rate_hz);
+  double squares = 0.0;
+  double count = 0.0;
+  for (const std::vector<double>& run : runs) {
+    std::vector<double> smooth = run;
+    filter::filter_both_ways(sections, order, smooth);
+    for (std::size_t i = 0; i < run.size(); ++i) {
+      squares += (run[i] - smooth[i]) * (run[i] - smooth[i]);
+      count += 1.0;
+    }
+  }
+  return count > 0.0 ? std::sqrt(squares / count) : 0.0;
+}
+
+/// Intercept at 0 Hz of the least-squares line through the points from `first` on.
+double intercept(const std::vector<double>& x, const std::vector<double>& y, std::size_t first) {
+  const auto n = static_cast<double>(x.size() - first);
+  double sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
+  for (std::size_t i = first; i < x.size(); ++i) {
+    sx += x[i];
+    sy += y[i];
+    sxx += x[i] * x[i];
+    sxy += x[i] * y[i];
+  }
+  const double slope = (n * sxy - sx * sy) / (n * sxx - sx * sx);
+  return (sy - slope * sx) / n;
+}
+
+}  // namespace
+
+std::string_view name_of(FilterMethod method) {
+  switch (method) {
+    case FilterMethod::none: return "none";
+    case FilterMethod::butterworth: return "butterworth";
+    case FilterMethod::savitzky_golay: return "savitzky-golay";
+    case FilterMethod::moving_average: return "moving-average";
+    case FilterMethod::median: return "median";
+  }
+  return "none";
+}
+
+void FilterOptions::declare(ParameterSet& p) {
+  p.group("filter", "Smoothing");
+  p.choice("filter", method,
+           {{FilterMethod::none, "none", "leave the trajectories as they are"},
+            {FilterMethod::butterworth, "butterworth", "low-pass without delay"},
+            {FilterMethod::savitzky_golay, "savitzky-golay", "local polynomials; keeps peaks"},
+            {FilterMethod::moving_average, "moving-average", "mean over a window"},
+            {FilterMethod::median, "median", "median over a window; removes single outliers"}},
+           "how trajectories are smoothed; never across gaps that were not filled");
+  p.number("cutoff", cutoff_hz,
+           {.unit = "Hz",
+            .min = 0.0,
+            .max = 1e5,
+            .help = "cut-off of butterworth; 0 for the one that residual analysis suggests"});
+  p.number("filter-order", order,
+           {.min = 1, .max = 12, .help = "order of one of butterworth's two passes"});
+  p.number("window", window,
+           {.unit = "frames", .min = 3, .max = 10001, .help = "window of the others, odd"});
+  p.number("degree", degree,
+           {.min = 0, .max = 9, .help = "degree of savitzky-golay's polynomials"});
+}
+
+void FilterOptions::validate() const {
+  validate_options(*this);
+  if (window % 2 == 0) {
+    throw UsageError({.what = "the filter's window of " + std::to_string(window) + " is even",
+                      .remedy = "Give an odd number of frames"});
+  }
+  if (method == FilterMethod::savitzky_golay && degree >= window) {
+    throw UsageError({.what = "savitzky-golay needs a window above the degree",
+                      .remedy = "Widen --window or lower --degree"});
+  }
+}
+
+void filter_series(std::span<double> values, double rate_hz, const FilterOptions& options) {
+  switch (options.method) {
+    case FilterMethod::none: return;
+    case FilterMethod::butterworth:
+      filter::filter_both_ways(
+          filter::butterworth_sections(options.order, options.cutoff_hz, rate_hz), options.order,
+          values);
+      return;
+    case FilterMethod::savitzky_golay: {
+      const int longest = static_cast<int>(std::min<std::size_t>(values.size(), 1U << 20U));
+      const int window = std::min(options.window, longest - 1 + longest % 2);
+      if (window > options.degree) filter::savitzky_golay(values, window, options.degree);
+      return;
+    }
+    case FilterMethod::moving_average: filter::moving_average(values, options.window); return;
+    case FilterMethod::median: filter::moving_median(values, options.window); return;
+  }
+}
+
+double suggest_cutoff(std::span<const std::vector<double>> runs, double rate_hz, int order) {
+  constexpr std::size_t least_frames = 30;  // in a run that can tell noise from motion
+  const double highest = highest_share * rate_hz;
+  std::vector<std::vector<double>> usable;
+  for (const std::vector<double>& run : runs) {
+    if (run.size() >= least_frames) usable.push_back(run);
+  }
+  if (usable.empty() || highest <= least_cutoff_hz) return highest;
+  constexpr std::size_t steps = 60;
+  std::vector<double> cutoffs;
+  std::vector<double> residuals;
+  for (std::size_t k = 0; k < steps; ++k) {
+    cutoffs.push_back(least_cutoff_hz + (highest - least_cutoff_hz) * static_cast<double>(k) /
+                                            static_cast<double>(steps - 1));
+    residuals.push_back(residual(usable, rate_hz, order, cutoffs.back()));
+  }
+  // The upper 40 % of the frequencies hold noise alone in any recording worth smoothing.
+  const double accepted = intercept(cutoffs, residuals, steps * 6 / 10);
+  if (!(accepted > 0.0)) return highest;
+  for (std::size_t k = 0; k < steps; ++k) {
+    if (residuals[k] > accepted) continue;
+    if (k == 0) return cutoffs[0];
+    const double u = (residuals[k - 1] - accepted) / (residuals[k - 1] - residuals[k]);
+    return cutoffs[k - 1] + u * (cutoffs[k] - cutoffs[k - 1]);
+  }
+  return highest;
+}
+
+FilterResult filter_take(const MarkerSequence& take, const FilterOptions& options,
+                         const RunContext& ctx) {
+  options.validate();
+  const bool low_pass = options.method == FilterMethod::butterworth;
+  if (low_pass && !(take.rate_hz > 0.0)) {
+    throw UsageError({.what = "the take has no frame rate, so that no cut-off can be set",
+                      .remedy = "Use --filter savitzky-golay"});
+  }
+  if (low_pass && options.cutoff_hz >= 0.5 * take.rate_hz) {
+    throw UsageError({.what = "a cut-off of " + format_number(options.cutoff_hz) +
+                              " Hz is not below half of the take's rate of " +
+                              format_number(take.rate_hz) + " Hz",
+                      .remedy = "Lower --cutoff, or give 0 to have it suggested"});
+  }
+  FilterResult result;
+  result.take = take;
+  std::vector<MarkerTally> tallies(take.marker_count());
+  if (options.method != FilterMethod::none) {
+    parallel_for(ctx, take.marker_count(), 1, [&](std::size_t m) {
+      if (take.markers()[m].kind <= MarkerKind::virtual_point) {
+        tallies[m] = filter_marker(result.take, m, options);
+      }
+    });
+  }
+  double squares = 0.0;
+  std::size_t samples = 0;
+  for (const MarkerTally& t : tallies) {
+    result.cutoffs_hz.push_back(t.cutoff_hz);
+    result.runs += t.runs;
+    result.short_runs += t.short_runs;
+    squares += t.squares;
+    samples += t.samples;
+  }
+  if (samples > 0) result.rms_change_mm = std::sqrt(squares / static_cast<double>(samples));
+  if (result.short_runs > 0) {
+    result.warnings.push_back(count_of(result.short_runs, "run") +
+                              " of one or two samples between gaps were not smoothed.");
+    ctx.warn(result.warnings.back());
+  }
+  return result;
+}
+
+}  // namespace kinemesh
