@@ -160,9 +160,16 @@ void rest_on_reference(StabiliseResult& result) {
 void move_to_head(const std::vector<HeadPose>& poses, MarkerSequence& take) {
   for (std::size_t f = 0; f < take.frame_count(); ++f) {
     for (std::size_t m = 0; m < take.marker_count(); ++m) {
-      if (!take.valid(f, m)) continue;
+      const bool point = take.markers()[m].kind <= MarkerKind::virtual_point;
+      if (!point || !take.valid(f, m)) continue;
       take.position(f, m) =
           poses[f].to_head(take.position(f, m).cast<double>()).template cast<float>();
+    }
+    const std::vector<uint64_t>& offsets = take.unlabelled.offsets;
+    for (std::size_t i = f + 1 < offsets.size() ? offsets[f] : 0;
+         f + 1 < offsets.size() && i < offsets[f + 1]; ++i) {
+      Eigen::Vector3f& p = take.unlabelled.positions[i];
+      p = poses[f].to_head(p.cast<double>()).template cast<float>();
     }
   }
 }

@@ -7,6 +7,7 @@
 #include "config/error.h"
 #include "config/parameter.h"
 #include "config/text.h"
+#include "config/toml_steps.h"
 
 namespace kinemesh {
 namespace {
@@ -29,6 +30,16 @@ std::vector<std::string> words_of(const toml::node& node) {
   if (const auto* integer = node.as_integer()) return {std::to_string(integer->get())};
   if (const auto* number = node.as_floating_point()) return {format_number(number->get())};
   return {"?"};
+}
+
+toml::table parse(std::string_view text, const std::string& file_name) {
+  try {
+    return toml::parse(text);
+  } catch (const toml::parse_error& e) {
+    throw UsageError({.what = "not valid TOML: " + std::string(e.description()),
+                      .file = file_name,
+                      .place = "line " + std::to_string(e.source().begin.line)});
+  }
 }
 
 class Loader {
@@ -88,15 +99,35 @@ class Loader {
 }  // namespace
 
 void ParameterSet::load_toml(std::string_view text, const std::string& file_name) {
-  toml::table table;
-  try {
-    table = toml::parse(text);
-  } catch (const toml::parse_error& e) {
-    throw UsageError({.what = "not valid TOML: " + std::string(e.description()),
-                      .file = file_name,
-                      .place = "line " + std::to_string(e.source().begin.line)});
+  Loader(*this, file_name).load(parse(text, file_name), "");
+}
+
+std::vector<TomlStep> read_toml_steps(std::string_view text, const std::string& file_name,
+                                      const std::string& array) {
+  std::vector<TomlStep> steps;
+  const auto refuse = [&](const toml::node& node, const std::string& what) {
+    throw UsageError({.what = what, .file = file_name, .place = place_of(node)});
+  };
+  const toml::table document = parse(text, file_name);
+  for (const auto& [key, node] : document) {
+    const toml::array* tables = node.as_array();
+    if (key.str() != array || tables == nullptr) {
+      refuse(node, "'" + std::string(key.str()) + "' does not belong here; there must be [[" +
+                       array + "]] tables alone");
+    }
+    for (const toml::node& item : *tables) {
+      const toml::table* table = item.as_table();
+      if (table == nullptr) refuse(item, "'" + array + "' must be a list of tables");
+      TomlStep step{.line = item.source().begin.line, .values = {}};
+      for (const auto& [name, value] : *table) {
+        if (value.is_table()) refuse(value, "'" + std::string(name.str()) + "' is a table");
+        step.values.push_back({std::string(name.str()), words_of(value), value.is_array(),
+                               value.source().begin.line});
+      }
+      steps.push_back(std::move(step));
+    }
   }
-  Loader(*this, file_name).load(table, "");
+  return steps;
 }
 
 std::string ParameterSet::dump_toml() const {

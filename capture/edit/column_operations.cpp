@@ -1,0 +1,187 @@
+// rename, swap, delete, move: which samples belong to which marker.
+#include <algorithm>
+
+#include "capture/edit/operation.h"
+#include "capture/edit/timeline.h"
+#include "capture/formats/table_text.h"
+#include "config/error.h"
+#include "config/text.h"
+
+namespace kinemesh {
+namespace {
+
+std::string span_text(const MarkerSequence& take, const FrameSpan& span) {
+  if (span.begin == 0 && span.end == take.frame_count()) return "";
+  const auto number = [&](std::size_t f) {
+    return std::to_string(take.first_frame + static_cast<int64_t>(f));
+  };
+  return " in frames " + number(span.begin) + " to " + number(span.end - 1);
+}
+
+void invalidate(MarkerSequence& take, std::size_t sample) {
+  take.flags()[sample] = 0;
+  take.residuals()[sample] = 0.0F;
+  take.camera_masks()[sample] = 0;
+}
+
+class Rename : public EditOperation {
+ public:
+  std::string_view name() const override { return "rename"; }
+  void declare(ParameterSet& p) override {
+    p.text("marker", marker_, {.metavar = "MARKER", .help = "label it has"});
+    p.text("to", to_,
+           {.metavar = "LABEL", .help = "label it gets, with SUBJECT: where it changes"});
+  }
+  std::string apply(MarkerSequence& take, const EditContext& context) const override {
+    (void)context;
+    const std::size_t m = marker_named(take, marker_);
+    if (to_.empty()) throw UsageError({.what = "'to' says the new label, and is missing"});
+    const QualifiedLabel split = split_label(to_);
+    Marker renamed = take.markers()[m];
+    renamed.label = split.label;
+    if (!split.subject.empty()) renamed.subject = split.subject;
+    if (renamed.kind == MarkerKind::unlabelled) renamed.kind = MarkerKind::marker;
+    for (std::size_t k = 0; k < take.marker_count(); ++k) {
+      const Marker& other = take.markers()[k];
+      if (k != m && other.label == renamed.label && other.subject == renamed.subject) {
+        throw UsageError({.what = "the take already has a marker '" + to_ + "'",
+                          .marker = to_,
+                          .remedy = "Rename or delete that one first, or use swap or move"});
+      }
+    }
+    take.markers()[m] = renamed;
+    return "renamed " + marker_ + " to " + to_;
+  }
+
+ private:
+  std::string marker_, to_;
+};
+
+class Swap : public EditOperation {
+ public:
+  std::string_view name() const override { return "swap"; }
+  void declare(ParameterSet& p) override {
+    p.text("a", a_, {.metavar = "MARKER", .help = "one marker"});
+    p.text("b", b_, {.metavar = "MARKER", .help = "the other"});
+    declare_frames(p, from_, to_);
+  }
+  std::string apply(MarkerSequence& take, const EditContext& context) const override {
+    (void)context;
+    const std::size_t a = marker_named(take, a_);
+    const std::size_t b = marker_named(take, b_);
+    const FrameSpan span = frames_between(take, from_, to_);
+    for (std::size_t f = span.begin; f < span.end; ++f) {
+      const std::size_t i = take.sample(f, a);
+      const std::size_t j = take.sample(f, b);
+      for (std::size_t c = 0; c < 3; ++c) {
+        std::swap(take.positions()[3 * i + c], take.positions()[3 * j + c]);
+      }
+      std::swap(take.flags()[i], take.flags()[j]);
+      std::swap(take.residuals()[i], take.residuals()[j]);
+      std::swap(take.camera_masks()[i], take.camera_masks()[j]);
+      if (!take.uncertainty().empty()) std::swap(take.uncertainty()[i], take.uncertainty()[j]);
+    }
+    return "swapped " + a_ + " and " + b_ + span_text(take, span);
+  }
+
+ private:
+  std::string a_, b_;
+  int64_t from_ = 0, to_ = 0;
+};
+
+class Delete : public EditOperation {
+ public:
+  std::string_view name() const override { return "delete"; }
+  void declare(ParameterSet& p) override {
+    p.list("markers", markers_,
+           {.metavar = "PATTERN", .help = "labels or wildcards; \"subject:label\" works, too"});
+    declare_frames(p, from_, to_);
+  }
+  std::string apply(MarkerSequence& take, const EditContext& context) const override {
+    (void)context;
+    std::vector<std::size_t> hit, kept;
+    for (std::size_t m = 0; m < take.marker_count(); ++m) {
+      const Marker& marker = take.markers()[m];
+      const bool gone = std::ranges::any_of(markers_, [&](const std::string& p) {
+        return matches_wildcard(p, marker.label) ||
+               matches_wildcard(p, marker.subject + ":" + marker.label);
+      });
+      (gone ? hit : kept).push_back(m);
+    }
+    if (hit.empty()) {
+      throw UsageError({.what = "'" + join(markers_, " ") + "' matches no marker",
+                        .remedy = "See the labels with \"kinemesh c3d info\""});
+    }
+    const FrameSpan span = frames_between(take, from_, to_);
+    const std::string what =
+        hit.size() == 1 ? take.markers()[hit[0]].label : count_of(hit.size(), "marker");
+    const std::string text = "deleted " + what + span_text(take, span);
+    if (span.begin == 0 && span.end == take.frame_count()) {
+      drop_columns(take, kept);
+      return text;
+    }
+    for (std::size_t f = span.begin; f < span.end; ++f) {
+      for (const std::size_t m : hit) invalidate(take, take.sample(f, m));
+    }
+    return text;
+  }
+
+ private:
+  static void drop_columns(MarkerSequence& take, const std::vector<std::size_t>& kept) {
+    MarkerSequence left = take.select(kept);
+    left.unlabelled = std::move(take.unlabelled);
+    left.analog = std::move(take.analog);
+    left.parameters = std::move(take.parameters);
+    take = std::move(left);
+  }
+
+  std::vector<std::string> markers_;
+  int64_t from_ = 0, to_ = 0;
+};
+
+class Move : public EditOperation {
+ public:
+  std::string_view name() const override { return "move"; }
+  void declare(ParameterSet& p) override {
+    p.text("marker", marker_, {.metavar = "MARKER", .help = "trajectory that has the samples"});
+    p.text("into", into_, {.metavar = "MARKER", .help = "trajectory that they belong to"});
+    declare_frames(p, from_, to_);
+  }
+  std::string apply(MarkerSequence& take, const EditContext& context) const override {
+    (void)context;
+    const std::size_t from = marker_named(take, marker_);
+    const std::size_t into = marker_named(take, into_);
+    const FrameSpan span = frames_between(take, from_, to_);
+    std::size_t moved = 0;
+    for (std::size_t f = span.begin; f < span.end; ++f) {
+      if (!take.valid(f, from)) continue;
+      if (take.valid(f, into) && !take.filled(f, into)) {
+        throw UsageError({.what = into_ + " is measured there itself",
+                          .marker = into_,
+                          .frame = take.first_frame + static_cast<int64_t>(f),
+                          .remedy = "Narrow the frames, or use swap"});
+      }
+      copy_sample(take, take.sample(f, from), take, take.sample(f, into));
+      invalidate(take, take.sample(f, from));
+      ++moved;
+    }
+    return "moved " + count_of(moved, "sample") + " of " + marker_ + " into " + into_ +
+           span_text(take, span);
+  }
+
+ private:
+  std::string marker_, into_;
+  int64_t from_ = 0, to_ = 0;
+};
+
+}  // namespace
+
+std::shared_ptr<EditOperation> make_column_operation(std::string_view name) {
+  if (name == "rename") return std::make_shared<Rename>();
+  if (name == "swap") return std::make_shared<Swap>();
+  if (name == "delete") return std::make_shared<Delete>();
+  if (name == "move") return std::make_shared<Move>();
+  return nullptr;
+}
+
+}  // namespace kinemesh

@@ -1,0 +1,53 @@
+#include "capture/edit/operation.h"
+
+#include "config/error.h"
+#include "config/text.h"
+
+namespace kinemesh {
+
+std::vector<std::string> operation_names() {
+  return {"crop",   "join", "resample",       "rename",    "swap",
+          "delete", "move", "merge-subjects", "anonymise", "add-event",
+          "units",  "axes", "fill",           "filter",    "stabilise"};
+}
+
+std::shared_ptr<EditOperation> make_operation(std::string_view name) {
+  for (const auto& make : {make_timeline_operation, make_column_operation,
+                           make_description_operation, make_stage_operation}) {
+    if (auto operation = make(name)) return operation;
+  }
+  return nullptr;
+}
+
+std::size_t marker_named(const MarkerSequence& take, const std::string& label) {
+  const std::size_t found = take.find(label);
+  if (found != MarkerSequence::npos) return found;
+  std::vector<std::string> labels;
+  for (const Marker& m : take.markers()) labels.push_back(m.label);
+  const std::string near = nearest_word(label, labels);
+  throw UsageError({.what = "the take has no marker '" + label + "'",
+                    .marker = label,
+                    .remedy = near.empty() ? "See the labels with \"kinemesh c3d info\""
+                                           : "Did you mean '" + near + "'?"});
+}
+
+FrameSpan frames_between(const MarkerSequence& take, int64_t from, int64_t to) {
+  const int64_t first = take.first_frame;
+  const int64_t last = first + static_cast<int64_t>(take.frame_count()) - 1;
+  const int64_t begin = from == 0 ? first : from;
+  const int64_t end = to == 0 ? last : to;
+  if (begin < first || end > last || begin > end) {
+    throw UsageError({.what = "frames " + std::to_string(begin) + " to " + std::to_string(end) +
+                              " are no part of the take, which has " + std::to_string(first) +
+                              " to " + std::to_string(last),
+                      .remedy = "Frame numbers are those after the steps before"});
+  }
+  return {static_cast<std::size_t>(begin - first), static_cast<std::size_t>(end - first) + 1};
+}
+
+void declare_frames(ParameterSet& p, int64_t& from, int64_t& to) {
+  p.number("from", from, {.min = 0, .max = 4e9, .help = "first frame; 0 for the take's first"});
+  p.number("to", to, {.min = 0, .max = 4e9, .help = "last frame; 0 for the take's last"});
+}
+
+}  // namespace kinemesh

@@ -1,0 +1,97 @@
+// fill, filter, stabilise: the stages of cleaning as editing steps.
+#include <algorithm>
+
+#include "capture/edit/operation.h"
+#include "capture/edit/timeline.h"
+#include "capture/filter.h"
+#include "capture/gap_fill.h"
+#include "capture/stabilise.h"
+#include "config/text.h"
+
+namespace kinemesh {
+namespace {
+
+class FillGaps : public EditOperation {
+ public:
+  std::string_view name() const override { return "fill"; }
+  void declare(ParameterSet& p) override { options_.declare(p); }
+  /// Points of the body alone: an unlabelled trajectory is no marker that must be somewhere.
+  std::string apply(MarkerSequence& take, const EditContext& context) const override {
+    std::vector<std::size_t> body;
+    for (std::size_t m = 0; m < take.marker_count(); ++m) {
+      if (take.markers()[m].kind == MarkerKind::marker) body.push_back(m);
+    }
+    const GapFillResult filled = fill_gaps(take.select(body), options_, context.run);
+    std::size_t samples = 0;
+    for (const Fill& fill : filled.fills) {
+      for (std::size_t f = fill.frames.begin; f < fill.frames.end; ++f, ++samples) {
+        copy_sample(filled.take, filled.take.sample(f, fill.marker), take,
+                    take.sample(f, body[fill.marker]));
+      }
+    }
+    std::string text =
+        "filled " + count_of(filled.fills.size(), "gap") + " (" + count_of(samples, "sample") + ")";
+    if (!filled.never_valid.empty()) {
+      text +=
+          "; " + count_of(filled.never_valid.size(), "marker") + " without any measurement left";
+    }
+    return text;
+  }
+
+ private:
+  GapFillOptions options_;
+};
+
+class Smooth : public EditOperation {
+ public:
+  std::string_view name() const override { return "filter"; }
+  void declare(ParameterSet& p) override { options_.declare(p); }
+  std::string apply(MarkerSequence& take, const EditContext& context) const override {
+    FilterResult filtered = filter_take(take, options_, context.run);
+    take = std::move(filtered.take);
+    std::string text = "smoothed by " + std::string(name_of(options_.method));
+    if (options_.method == FilterMethod::butterworth) {
+      std::vector<double> cutoffs;
+      std::ranges::copy_if(filtered.cutoffs_hz, std::back_inserter(cutoffs),
+                           [](double c) { return c > 0.0; });
+      std::ranges::sort(cutoffs);
+      if (!cutoffs.empty()) {
+        text += " at " + format_fixed(cutoffs.front(), 1);
+        if (cutoffs.back() > cutoffs.front()) text += " to " + format_fixed(cutoffs.back(), 1);
+        text += " Hz";
+      }
+    }
+    return text + ", moving samples by " + format_fixed(filtered.rms_change_mm, 3) + " mm RMS";
+  }
+
+ private:
+  FilterOptions options_;
+};
+
+class Stabilise : public EditOperation {
+ public:
+  std::string_view name() const override { return "stabilise"; }
+  void declare(ParameterSet& p) override { options_.declare(p); }
+  std::string apply(MarkerSequence& take, const EditContext& context) const override {
+    StabiliseResult steady = stabilise_head(take, options_, context.run);
+    take = std::move(steady.take);
+    std::vector<std::string> labels;
+    for (const std::size_t m : steady.shape.markers) labels.push_back(take.markers()[m].label);
+    return "took out the head's motion by " + join(labels, ", ", " and ") + ", error " +
+           format_fixed(steady.rms_error_mm, 2) + " mm RMS";
+  }
+
+ private:
+  StabiliseOptions options_;
+};
+
+}  // namespace
+
+std::shared_ptr<EditOperation> make_stage_operation(std::string_view name) {
+  if (name == "fill") return std::make_shared<FillGaps>();
+  if (name == "filter") return std::make_shared<Smooth>();
+  if (name == "stabilise") return std::make_shared<Stabilise>();
+  return nullptr;
+}
+
+}  // namespace kinemesh
