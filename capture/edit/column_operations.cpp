@@ -1,4 +1,4 @@
-// rename, swap, delete, move: which samples belong to which marker.
+// rename, swap, delete, move, unite-twins: which samples belong to which marker.
 #include <algorithm>
 
 #include "capture/edit/operation.h"
@@ -22,6 +22,14 @@ void invalidate(MarkerSequence& take, std::size_t sample) {
   take.flags()[sample] = 0;
   take.residuals()[sample] = 0.0F;
   take.camera_masks()[sample] = 0;
+}
+
+void drop_columns(MarkerSequence& take, const std::vector<std::size_t>& kept) {
+  MarkerSequence left = take.select(kept);
+  left.unlabelled = std::move(take.unlabelled);
+  left.analog = std::move(take.analog);
+  left.parameters = std::move(take.parameters);
+  take = std::move(left);
 }
 
 class Rename : public EditOperation {
@@ -127,14 +135,6 @@ class Delete : public EditOperation {
   }
 
  private:
-  static void drop_columns(MarkerSequence& take, const std::vector<std::size_t>& kept) {
-    MarkerSequence left = take.select(kept);
-    left.unlabelled = std::move(take.unlabelled);
-    left.analog = std::move(take.analog);
-    left.parameters = std::move(take.parameters);
-    take = std::move(left);
-  }
-
   std::vector<std::string> markers_;
   int64_t from_ = 0, to_ = 0;
 };
@@ -174,6 +174,76 @@ class Move : public EditOperation {
   int64_t from_ = 0, to_ = 0;
 };
 
+/// Markers that exist twice: one trajectory broken in two is joined, others get names of their own.
+class UniteTwins : public EditOperation {
+ public:
+  std::string_view name() const override { return "unite-twins"; }
+  void declare(ParameterSet& p) override { (void)p; }
+  std::string apply(MarkerSequence& take, const EditContext& context) const override {
+    (void)context;
+    std::vector<std::string> done;
+    std::vector<std::size_t> kept;
+    for (std::size_t m = 0; m < take.marker_count(); ++m) {
+      const std::size_t twin = twin_of(take, m, kept);
+      if (twin == MarkerSequence::npos) {
+        kept.push_back(m);
+        continue;
+      }
+      const std::string label = take.markers()[m].label;
+      if (unite(take, twin, m)) {
+        done.push_back("joined the two trajectories of " + label);
+        continue;
+      }
+      take.markers()[m].label = free_label(take, take.markers()[m]);
+      kept.push_back(m);
+      done.push_back("renamed the second " + label + " to " + take.markers()[m].label +
+                     ", because it is elsewhere than the first in the same frames");
+    }
+    if (kept.size() < take.marker_count()) drop_columns(take, kept);
+    return done.empty() ? "no marker exists twice" : join(done, "; ");
+  }
+
+ private:
+  static std::size_t twin_of(const MarkerSequence& take, std::size_t m,
+                             const std::vector<std::size_t>& among) {
+    const Marker& marker = take.markers()[m];
+    if (marker.kind != MarkerKind::marker) return MarkerSequence::npos;
+    for (const std::size_t k : among) {
+      const Marker& other = take.markers()[k];
+      if (other.kind == marker.kind && other.label == marker.label &&
+          other.subject == marker.subject) {
+        return k;
+      }
+    }
+    return MarkerSequence::npos;
+  }
+
+  /// True when both are one: nowhere apart in the same frame. `b`'s samples then are `a`'s, too.
+  static bool unite(MarkerSequence& take, std::size_t a, std::size_t b) {
+    constexpr float apart_mm = 1.0F;
+    for (std::size_t f = 0; f < take.frame_count(); ++f) {
+      if (!take.valid(f, a) || !take.valid(f, b)) continue;
+      if (!((take.position(f, a) - take.position(f, b)).norm() < apart_mm)) return false;
+    }
+    for (std::size_t f = 0; f < take.frame_count(); ++f) {
+      if (take.valid(f, b) && !take.valid(f, a)) {
+        copy_sample(take, take.sample(f, b), take, take.sample(f, a));
+      }
+    }
+    return true;
+  }
+
+  static std::string free_label(const MarkerSequence& take, const Marker& marker) {
+    for (int i = 2;; ++i) {
+      std::string label = marker.label + "_" + std::to_string(i);
+      const bool used = std::ranges::any_of(take.markers(), [&](const Marker& m) {
+        return m.label == label && m.subject == marker.subject;
+      });
+      if (!used) return label;
+    }
+  }
+};
+
 }  // namespace
 
 std::shared_ptr<EditOperation> make_column_operation(std::string_view name) {
@@ -181,6 +251,7 @@ std::shared_ptr<EditOperation> make_column_operation(std::string_view name) {
   if (name == "swap") return std::make_shared<Swap>();
   if (name == "delete") return std::make_shared<Delete>();
   if (name == "move") return std::make_shared<Move>();
+  if (name == "unite-twins") return std::make_shared<UniteTwins>();
   return nullptr;
 }
 

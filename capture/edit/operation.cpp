@@ -6,9 +6,9 @@
 namespace kinemesh {
 
 std::vector<std::string> operation_names() {
-  return {"crop",   "join", "resample",       "rename",    "swap",
-          "delete", "move", "merge-subjects", "anonymise", "add-event",
-          "units",  "axes", "fill",           "filter",    "stabilise"};
+  return {"crop", "join",        "resample",       "rename",    "swap",      "delete",
+          "move", "unite-twins", "merge-subjects", "anonymise", "add-event", "units",
+          "axes", "repair",      "label",          "fill",      "filter",    "stabilise"};
 }
 
 std::shared_ptr<EditOperation> make_operation(std::string_view name) {

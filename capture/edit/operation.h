@@ -38,11 +38,11 @@ std::vector<std::string> operation_names();
 
 /// crop, join, resample.
 std::shared_ptr<EditOperation> make_timeline_operation(std::string_view name);
-/// rename, swap, delete, move.
+/// rename, swap, delete, move, unite-twins.
 std::shared_ptr<EditOperation> make_column_operation(std::string_view name);
 /// merge-subjects, anonymise, add-event, units, axes.
 std::shared_ptr<EditOperation> make_description_operation(std::string_view name);
-/// fill, filter, stabilise.
+/// repair, label, fill, filter, stabilise.
 std::shared_ptr<EditOperation> make_stage_operation(std::string_view name);
 
 // ---- what they share ----------------------------------------------------------------------------

@@ -1,10 +1,13 @@
-// fill, filter, stabilise: the stages of cleaning as editing steps.
+// repair, label, fill, filter, stabilise: the stages of cleaning as editing steps.
 #include <algorithm>
 
 #include "capture/edit/operation.h"
 #include "capture/edit/timeline.h"
 #include "capture/filter.h"
 #include "capture/gap_fill.h"
+#include "capture/label.h"
+#include "capture/repair.h"
+#include "capture/session.h"
 #include "capture/stabilise.h"
 #include "config/text.h"
 
@@ -40,6 +43,42 @@ class FillGaps : public EditOperation {
 
  private:
   GapFillOptions options_;
+};
+
+class Repair : public EditOperation {
+ public:
+  std::string_view name() const override { return "repair"; }
+  void declare(ParameterSet& p) override { options_.declare(p); }
+  std::string apply(MarkerSequence& take, const EditContext& context) const override {
+    RepairResult repaired = repair_take(take, options_, context.run);
+    take = std::move(repaired.take);
+    return repaired.done.empty() ? "found nothing to repair" : join(repaired.done, "; ");
+  }
+
+ private:
+  RepairOptions options_;
+};
+
+class Label : public EditOperation {
+ public:
+  std::string_view name() const override { return "label"; }
+  void declare(ParameterSet& p) override {
+    p.text("template", file_,
+           {.metavar = "FILE",
+            .help = "labelled take of the same subject; by default the take's own labels"});
+  }
+  std::string apply(MarkerSequence& take, const EditContext& context) const override {
+    const MarkerSequence other =
+        file_.empty() ? take : read_session(context.folder / file_, {}, context.run);
+    LabelResult labelled = label_points(take, learn_template(other, context.run), context.run);
+    take = std::move(labelled.take);
+    return "labelled " + std::to_string(labelled.labelled) + " of " +
+           count_of(labelled.points, "point") + " without identity, in " +
+           count_of(labelled.trajectories, "trajectory", "trajectories");
+  }
+
+ private:
+  std::string file_;
 };
 
 class Smooth : public EditOperation {
@@ -88,6 +127,8 @@ class Stabilise : public EditOperation {
 }  // namespace
 
 std::shared_ptr<EditOperation> make_stage_operation(std::string_view name) {
+  if (name == "repair") return std::make_shared<Repair>();
+  if (name == "label") return std::make_shared<Label>();
   if (name == "fill") return std::make_shared<FillGaps>();
   if (name == "filter") return std::make_shared<Smooth>();
   if (name == "stabilise") return std::make_shared<Stabilise>();

@@ -5,14 +5,16 @@ namespace kinemesh::cli {
 std::vector<CommandSpec> all_commands() {
   // clang-format off: one command a line
   return {
-      convert_command(),    c3d_info_command(),          c3d_check_command(), c3d_diff_command(),
-      c3d_export_command(), c3d_evaluate_fill_command(), geodesics_command(), hash_command(),
+      convert_command(),     c3d_info_command(),          c3d_check_command(),
+      c3d_diff_command(),    c3d_export_command(),        c3d_quality_command(),
+      c3d_process_command(), c3d_evaluate_fill_command(), geodesics_command(),
+      hash_command(),
   };
   // clang-format on
 }
 
 std::string family_summary(std::string_view family) {
-  if (family == "c3d") return "Inspect, check, repair, compare and convert C3D sessions";
+  if (family == "c3d") return "Inspect, check, grade, clean, compare and convert C3D sessions";
   if (family == "evaluate") return "Measure results against a known truth";
   throw InternalError("the command family '" + std::string(family) + "' has no summary");
 }

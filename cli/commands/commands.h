@@ -10,6 +10,8 @@ CommandSpec c3d_diff_command();
 CommandSpec c3d_evaluate_fill_command();
 CommandSpec c3d_export_command();
 CommandSpec c3d_info_command();
+CommandSpec c3d_process_command();
+CommandSpec c3d_quality_command();
 CommandSpec convert_command();
 CommandSpec geodesics_command();
 CommandSpec hash_command();

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "capture/edit_list.h"
 #include "capture/session.h"
 #include "cli/commands/commands.h"
 #include "config/input_file.h"
@@ -24,6 +25,7 @@ struct State {
   std::string session;
   std::string output;
   std::string previous;
+  std::string edits;
   bool pictures = true;
   SessionReadOptions reading;
   ConvertOptions options;
@@ -62,6 +64,7 @@ Provenance provenance_of(const State& state, const Terminal& terminal) {
   if (!state.previous.empty() && fs::is_regular_file(state.previous)) {
     p.inputs.push_back({state.previous, sha256_of_file(state.previous)});
   }
+  if (!state.edits.empty()) p.inputs.push_back({state.edits, sha256_of_file(state.edits)});
   return p;
 }
 
@@ -110,8 +113,14 @@ std::vector<std::string> write_outputs(const State& state, const MarkerSequence&
 
 ExitCode convert(State& state, Terminal& terminal) {
   const FormatRegistry formats = builtin_mesh_formats();
-  const MarkerSequence session =
-      read_session(state.session, state.reading, terminal.run.part(0.0, 0.1, "reading"));
+  MarkerSequence session =
+      read_session(state.session, state.reading, terminal.run.part(0.0, 0.05, "reading"));
+  if (!state.edits.empty()) {
+    EditResult edited =
+        apply_edits(session, read_edits(state.edits), terminal.run.part(0.05, 0.1, "editing"));
+    session = std::move(edited.take);
+    for (const std::string& done : edited.done) terminal.run.info(done);
+  }
   // A wrong name or format is said before the work is done, not after it.
   output_format(formats, state.output, state.writing, session.frame_count());
   std::optional<Mesh> previous;
@@ -146,6 +155,8 @@ CommandSpec convert_command() {
                         "File of the animated mesh; its extension decides the format", true);
             line.option("--topology", state->previous, "PREVIOUS",
                         "Use the triangulation of this mesh again, by marker name");
+            line.option("--edits", state->edits, "FILE",
+                        "Edit the session by this list of steps first (see c3d process)");
             line.parameters([state](ParameterSet& p) { state->declare(p); });
             line.json_output();
             return [state](Terminal& terminal) { return convert(*state, terminal); };

@@ -1,0 +1,83 @@
+#include "capture/repair.h"
+
+#include "capture/formats/table_text.h"
+#include "config/text.h"
+
+namespace kinemesh {
+namespace {
+
+/// The label by which an editing step finds this marker again.
+std::string name_in(const MarkerSequence& take, std::size_t m) {
+  return qualified_label(take.markers()[m].subject, take.markers()[m].label);
+}
+
+std::string frame_number(const MarkerSequence& take, std::size_t f) {
+  return std::to_string(take.first_frame + static_cast<int64_t>(f));
+}
+
+void apply(const LabelSwap& swap, RepairResult& result) {
+  const MarkerSequence& take = result.take;
+  const std::string a = name_in(take, swap.a);
+  const std::string b = name_in(take, swap.b);
+  const std::string from = frame_number(take, swap.from);
+  EditList step;
+  step.steps.push_back(make_edit("swap", {{"a", {a}}, {"b", {b}}, {"from", {from}}}));
+  result.take = apply_edits(result.take, step).take;
+  result.edits.steps.push_back(step.steps.front());
+  result.done.push_back("exchanged " + a + " and " + b + " from frame " + from + " on: they were " +
+                        format_fixed(swap.error_mm, 1) +
+                        " mm from where their neighbours say, now " +
+                        format_fixed(swap.mended_mm, 1) + " mm");
+}
+
+void apply(const Spike& spike, RepairResult& result) {
+  MarkerSequence& take = result.take;
+  const std::string label = name_in(take, spike.marker);
+  const std::string from = frame_number(take, spike.frames.begin);
+  const std::string to = frame_number(take, spike.frames.end - 1);
+  result.edits.steps.push_back(
+      make_edit("delete", {{"markers", {label}}, {"from", {from}}, {"to", {to}}}));
+  for (std::size_t f = spike.frames.begin; f < spike.frames.end; ++f) {
+    const std::size_t s = take.sample(f, spike.marker);
+    take.flags()[s] = 0;
+    take.residuals()[s] = 0.0F;
+    take.camera_masks()[s] = 0;
+  }
+  result.done.push_back("took out a spike of " + label + " of " +
+                        format_fixed(spike.deviation_mm, 1) + " mm in frame " + from +
+                        (from == to ? "" : " to " + to));
+}
+
+}  // namespace
+
+void RepairOptions::declare(ParameterSet& p) {
+  p.group("repair", "Repair");
+  p.flag("spikes", spikes, "take out samples that leave the marker's path for a moment");
+  p.number("spike-size", spike_mm,
+           {.unit = "mm", .min = 0.0, .max = 1000.0, .help = "smaller deviations are no spikes"});
+  p.number("spike-ratio", spike_ratio,
+           {.min = 1.0,
+            .max = 1000.0,
+            .help = "deviations below this many robust standard deviations are no spikes"});
+  p.number("spike-length", spike_length_s,
+           {.unit = "s", .min = 0.0, .max = 10.0, .help = "longer deviations are no spikes"});
+  p.flag("swaps", swaps, "put labels right that two markers exchanged");
+}
+
+RepairResult repair_take(const MarkerSequence& take, const RepairOptions& options,
+                         const RunContext& ctx) {
+  options.validate();
+  RepairResult result;
+  result.take = take;
+  if (options.swaps) {
+    result.swaps = find_label_swaps(take, ctx.part(0.0, 0.6, "looking for label swaps"));
+    for (const LabelSwap& swap : result.swaps) apply(swap, result);
+  }
+  if (options.spikes) {
+    result.spikes = find_spikes(result.take, options, ctx.part(0.6, 1.0, "looking for spikes"));
+    for (const Spike& spike : result.spikes) apply(spike, result);
+  }
+  return result;
+}
+
+}  // namespace kinemesh

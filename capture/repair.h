@@ -1,0 +1,67 @@
+// Repair of recorded trajectories: spikes are taken out (gap filling closes the hole), labels that
+// were exchanged are put right. What was done is a list of editing steps, so that each can be taken
+// back.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "capture/edit_list.h"
+#include "capture/gaps.h"
+#include "capture/marker_sequence.h"
+#include "config/parameter.h"
+#include "config/run_context.h"
+
+namespace kinemesh {
+
+struct RepairOptions {
+  bool spikes = true;
+  double spike_mm = 1.0;     ///< smaller deviations are no spikes
+  double spike_ratio = 8.0;  ///< deviations below this many robust standard deviations are none
+  double spike_length_s = 0.035;  ///< longer ones are no spikes
+  bool swaps = true;
+
+  void declare(ParameterSet& p);
+  void validate() const { validate_options(*this); }
+};
+
+/// A marker left its path for a moment and came back.
+struct Spike {
+  std::size_t marker = 0;  ///< index into markers()
+  FrameRange frames;
+  double deviation_mm = 0.0;  ///< the largest distance from the path
+};
+
+/// Two markers exchanged their labels.
+struct LabelSwap {
+  std::size_t a = 0, b = 0;  ///< indices into markers()
+  std::size_t from = 0;      ///< 0-based: first frame with the wrong labels; wrong to the end, or
+                             ///< until the next swap of the same two
+  double error_mm = 0.0;     ///< mean distance from where the labels should be, as recorded
+  double mended_mm = 0.0;    ///< the same after the exchange
+};
+
+struct RepairResult {
+  MarkerSequence take;  ///< spikes invalid, labels right
+  std::vector<Spike> spikes;
+  std::vector<LabelSwap> swaps;
+  EditList edits;                 ///< the same as steps: swap and delete, in the order applied
+  std::vector<std::string> done;  ///< one sentence each, with frame numbers as in the file
+};
+
+/// Spikes: up to `spike_length_s` in which every sample is farther than spike_mm, spike_ratio × the
+/// marker's own robust standard deviation (1.4826 × median) of the acceleration (as the distance
+/// from the mean of the samples beside it) and as many × that of its surroundings from the cubic
+/// through the samples around, while these fit each other without the spike.
+/// Swaps: a marker jumps, or comes back from a gap, farther from where its neighbours say it should
+/// be than 0.35 × the distance to the nearest marker, to where another one should be, and that
+/// other one likewise to its place.
+/// Markers of the body alone are looked at; filled samples are not.
+RepairResult repair_take(const MarkerSequence& take, const RepairOptions& options = {},
+                         const RunContext& ctx = {});
+
+std::vector<Spike> find_spikes(const MarkerSequence& take, const RepairOptions& options = {},
+                               const RunContext& ctx = {});
+std::vector<LabelSwap> find_label_swaps(const MarkerSequence& take, const RunContext& ctx = {});
+
+}  // namespace kinemesh

@@ -1,0 +1,151 @@
+// kinemesh c3d process: a session is cleaned, or edited by a list, without touching the original.
+#include <filesystem>
+
+#include "capture/c3d/writer.h"
+#include "capture/clean.h"
+#include "capture/edit_list.h"
+#include "capture/formats/session_export.h"
+#include "capture/gaps.h"
+#include "capture/session.h"
+#include "cli/commands/commands.h"
+#include "config/output_file.h"
+#include "config/text.h"
+#include "report/gap_chart.h"
+#include "report/image.h"
+
+namespace kinemesh::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Arguments {
+  std::string file, output, edits, record;
+  bool picture = false;
+  SessionReadOptions read;
+  CleanOptions clean;
+  C3dWriteOptions write;
+
+  void declare(ParameterSet& p) {
+    read.declare(p);
+    clean.declare(p);
+    p.group("output", "Output");
+    write.declare(p);
+    p.flag("picture", picture, "draw what was missing and what was done about it");
+  }
+};
+
+bool is_c3d(const fs::path& path) { return lower(path.extension().string()) == ".c3d"; }
+
+/// What a person sees of a cleaned session: gaps as recorded, and what became of them.
+Canvas draw_cleaning(const MarkerSequence& before, const MarkerSequence& after,
+                     const std::string& title) {
+  GapChart chart;
+  chart.title = title;
+  chart.frame_count = after.frame_count();
+  chart.rate_hz = after.rate_hz;
+  chart.first_frame = after.first_frame;
+  const bool same_time = before.frame_count() == after.frame_count();
+  for (std::size_t m = 0; m < after.marker_count(); ++m) {
+    const Marker& marker = after.markers()[m];
+    if (marker.kind != MarkerKind::marker) continue;
+    GapChart::Row row{marker.label, {}};
+    const std::size_t was = before.find(marker.label);
+    for (const FrameRange gap : find_gaps(after, m).gaps) {
+      // Frames of one gap differ: filled, left open, or a spike that was taken out.
+      for (std::size_t f = gap.begin; f < gap.end;) {
+        const auto kind_at = [&](std::size_t k) -> std::size_t {
+          if (!after.valid(k, m)) return 0;
+          return same_time && was != MarkerSequence::npos && before.valid(k, was) ? 3 : 2;
+        };
+        GapInterval interval{f, f, kind_at(f)};
+        while (interval.end < gap.end && kind_at(interval.end) == interval.kind) ++interval.end;
+        row.gaps.push_back(interval);
+        f = interval.end;
+      }
+    }
+    chart.markers.push_back(std::move(row));
+  }
+  return draw_gap_chart(chart);
+}
+
+/// Writes the take in the format of the extension; says what it cannot hold.
+void write_take(const Arguments& args, const MarkerSequence& take, Terminal& terminal) {
+  const RunContext ctx = terminal.run.part(0.9, 1.0, "writing");
+  if (is_c3d(args.output)) {
+    for (const C3dLoss& loss : write_c3d(take, args.output, args.write, ctx).losses) {
+      terminal.run.warn(loss.place + ": " + loss.message);
+    }
+    return;
+  }
+  for (const std::string& part : export_session(take, args.output, ctx).left_out) {
+    terminal.run.warn("This format cannot hold " + part + ".");
+  }
+}
+
+ExitCode process(Arguments& args, Terminal& terminal) {
+  if (!is_c3d(args.output)) export_format_of(args.output);  // said before the work is done
+  if (fs::exists(args.output) && fs::equivalent(args.file, args.output)) {
+    throw UsageError({.what = "the output would replace the original",
+                      .file = args.output,
+                      .remedy = "Give another name with -o"});
+  }
+  if (!args.clean.template_file.empty()) {
+    args.clean.template_file = fs::absolute(args.clean.template_file).string();
+  }
+  const MarkerSequence take =
+      read_session(args.file, args.read, terminal.run.part(0.0, 0.1, "reading"));
+  const RunContext working = terminal.run.part(0.1, 0.9, "processing");
+  CleanResult result;
+  if (args.edits.empty()) {
+    result = clean_take(take, args.clean, working);
+  } else {
+    result.edits = read_edits(args.edits);
+    EditResult edited = apply_edits(take, result.edits, working);
+    result.take = std::move(edited.take);
+    result.done = std::move(edited.done);
+  }
+  write_take(args, result.take, terminal);
+  std::vector<std::string> outputs{args.output};
+  if (args.edits.empty()) {
+    outputs.push_back(args.record.empty() ? args.output + ".edits.toml" : args.record);
+    write_file(outputs.back(), edits_toml(result.edits));
+  }
+  if (args.picture) {
+    outputs.push_back(args.output + ".png");
+    const Canvas canvas = draw_cleaning(take, result.take, fs::path(args.file).filename().string());
+    write_file(outputs.back(), encode_png(canvas.raster(png_scale(canvas))));
+  }
+  std::string text;
+  for (const std::string& done : result.done) text += "- " + done + "\n";
+  for (const StageTime& t : result.times) {
+    terminal.run.info(t.stage + " took " + format_fixed(t.seconds, 3) + " s");
+  }
+  terminal.print(text + "written  " + join(outputs, "\n         "));
+  return ExitCode::done;
+}
+
+}  // namespace
+
+CommandSpec c3d_process_command() {
+  return {
+      .path = "c3d process",
+      .summary = "Clean a session, or edit it by a list of steps, without touching the original",
+      .example =
+          "kinemesh c3d process smile.c3d -o clean.c3d\n"
+          "kinemesh c3d process smile.c3d -o clean.trc --filter butterworth --stabilise\n"
+          "kinemesh c3d process smile.c3d -o clean.c3d --edits smile.edits.toml",
+      .setup = [](CommandLine& line) -> Action {
+        auto args = std::make_shared<Arguments>();
+        line.positional("IN", args->file, "C3D, TRC, CSV or TSV file");
+        line.option("-o,--output", args->output, "OUT",
+                    "File to write; .c3d, .trc, .csv, .json or .npz chooses the format", true);
+        line.option("--edits", args->edits, "FILE",
+                    "Apply this list of editing steps, and nothing else");
+        line.option("--record", args->record, "FILE",
+                    "Where the list of what was done is written; by default OUT.edits.toml");
+        line.parameters([args](ParameterSet& p) { args->declare(p); });
+        return [args](Terminal& terminal) { return process(*args, terminal); };
+      }};
+}
+
+}  // namespace kinemesh::cli
