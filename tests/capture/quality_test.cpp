@@ -57,7 +57,6 @@ Verdict verdict_of(const MarkerSequence& take) { return assess_take(take).verdic
 
 TEST(Quality, TheVerdictFollowsTheDegradation) {
   const MarkerSequence take = sample("anna_happy");
-  const MarkerSequence clean = clean_take(take).take;
   EXPECT_EQ(verdict_of(take), Verdict::fit_after_cleaning);
   const auto steps = [&](auto&& degrade, std::initializer_list<double> amounts) {
     std::string verdicts;
