@@ -95,7 +95,8 @@ namespace {
 MarkerSequence read_table(const std::filesystem::path& path, SessionFormat format,
                           const SessionReadOptions& options, const RunContext& ctx) {
   const TableText text(read_file(path), path.string());
-  const TableReadOptions table{.zero_is_gap = options.c3d.zero_points == ZeroPolicy::gap};
+  const TableReadOptions table{.zero_is_gap = options.c3d.zero_points == ZeroPolicy::gap,
+                               .unstated = options.c3d.unstated};
   MarkerSequence take = [&] {
     switch (format) {
       case SessionFormat::trc: return read_trc(text, table, ctx);

@@ -170,7 +170,7 @@ void read_with_ezc3d(const std::filesystem::path& path, const C3dReadOptions& op
   if (const std::string why = ezc3d_refusal(result); !why.empty()) refuse(path, why);
   std::vector<C3dFinding> ignored;
   const PointTable table = decode_points_table(result.take.parameters, result.take.marker_count(),
-                                               options.missing_unit, ignored);
+                                               options.unstated.unit, ignored);
   try {
     const ezc3d::c3d file(path.string());
     head = head_of(file);

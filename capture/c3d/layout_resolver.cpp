@@ -84,17 +84,18 @@ void find_rate(const C3dHead& head, C3dLayout& layout, std::vector<C3dFinding>& 
   const auto analog = usable_rate(first_number(head.parameters, "ANALOG", "RATE"));
   const uint16_t samples = head.header.analog_samples;
   const auto derived = analog && samples > 0 ? std::optional<double>(*analog / samples) : analog;
-  layout.rate_hz = named.value_or(header.value_or(derived.value_or(1.0)));
+  const auto told = usable_rate(head.unstated_rate_hz);
+  layout.rate_hz = named.value_or(header.value_or(derived.value_or(told.value_or(1.0))));
   if (!named && !header && derived) {
     findings.push_back(c3d_finding("C3D306",
                                    "neither header nor POINT:RATE gives a frame rate; ANALOG:RATE "
                                    "makes it " +
                                        format_number(*derived) + " Hz",
                                    parameter_place("POINT:RATE")));
-  } else if (!named && !header) {
+  } else if (!named && !header && !told) {
     findings.push_back(c3d_finding("C3D316", "neither header nor POINT:RATE gives a frame rate",
                                    parameter_place("POINT:RATE")));
-  } else if (!named && head.section_end != 0) {
+  } else if (!named && header && head.section_end != 0) {
     findings.push_back(c3d_finding(
         "C3D306", "there is no POINT:RATE; the header says " + format_number(*header) + " Hz",
         parameter_place("POINT:RATE")));

@@ -21,6 +21,7 @@ struct C3dHead {
   std::size_t section_begin = 0;
   std::size_t section_end = 0;  ///< 0 without a parameter section
   Processor processor = Processor::intel;
+  double unstated_rate_hz = 0.0;  ///< of a file that gives none; 0: 1 Hz, and a finding
 };
 
 /// Where sources disagree, the combination that fits the size of the data section wins; among

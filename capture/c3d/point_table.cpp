@@ -119,20 +119,20 @@ std::vector<std::string> unit_words(const C3dParameters& tree) {
 
 class Units {
  public:
-  Units(const C3dParameters& tree, std::size_t points, const std::string& missing,
+  Units(const C3dParameters& tree, std::size_t points, LengthUnit unstated,
         std::vector<C3dFinding>& findings)
-      : words_(unit_words(tree)), missing_(missing) {
+      : words_(unit_words(tree)), missing_(name_of(unstated)) {
     if (points == 0) return;
     const std::string place = "parameter POINT:UNITS";
     if (words_.empty() || std::ranges::all_of(words_, &std::string::empty)) {
       words_.clear();
       findings.push_back(c3d_finding(
-          "C3D404", "POINT:UNITS is missing or empty; " + missing + " is assumed", place));
+          "C3D404", "POINT:UNITS is missing or empty; " + missing_ + " is assumed", place));
     } else if (words_.size() == 1 && !millimetres_in(words_[0])) {
       bool converted = false;
       findings.push_back(c3d_finding("C3D405",
                                      "\"" + utf8_from(words_[0], converted) +
-                                         "\" is no length unit; " + missing + " is assumed",
+                                         "\" is no length unit; " + missing_ + " is assumed",
                                      place));
       words_.clear();
     } else if (words_.size() > 1) {
@@ -204,7 +204,11 @@ std::optional<double> millimetres_in(std::string_view unit) {
                                                                                {"mete", 1000.0},
                                                                                {"metr", 1000.0},
                                                                                {"in", 25.4},
-                                                                               {"inch", 25.4}});
+                                                                               {"inch", 25.4},
+                                                                               {"ft", 304.8},
+                                                                               {"foot", 304.8},
+                                                                               {"feet", 304.8},
+                                                                               {"um", 1e-3}});
   for (const auto& [word, factor] : lengths) {
     // Words of four letters stand for all that begin with them: many files cut units there.
     if (small == word || (word.size() == 4 && small.starts_with(word))) return factor;
@@ -218,14 +222,14 @@ std::string utf8_from(const std::string& text, bool& converted) {
   return utf8_from_windows_1252(text);
 }
 
-PointTable decode_points_table(const C3dParameters& tree, std::size_t points,
-                               const std::string& missing_unit, std::vector<C3dFinding>& findings) {
+PointTable decode_points_table(const C3dParameters& tree, std::size_t points, LengthUnit unstated,
+                               std::vector<C3dFinding>& findings) {
   PointTable table;
   const std::vector<std::string> labels = point_labels(tree, points, findings);
   const std::vector<std::string> descriptions = all_strings(tree, "POINT", "DESCRIPTIONS");
   const auto lists = listed_labels(tree);
   const Subjects subjects(tree);
-  const Units units(tree, points, missing_unit, findings);
+  const Units units(tree, points, unstated, findings);
   bool converted = false;
   std::size_t empty = 0;
   table.markers.reserve(points);
@@ -280,7 +284,7 @@ PointTable decode_points_table(const C3dParameters& tree, std::size_t points,
       table.length_unit = units.of(p);
       break;
     }
-    if (!millimetres_in(table.length_unit)) table.length_unit = missing_unit;
+    if (!millimetres_in(table.length_unit)) table.length_unit = name_of(unstated);
   }
   if (converted) {
     findings.push_back(

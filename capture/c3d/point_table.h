@@ -9,6 +9,7 @@
 
 #include "capture/c3d/finding.h"
 #include "capture/marker_sequence.h"
+#include "mesh/formats/units.h"
 
 namespace kinemesh {
 
@@ -27,9 +28,9 @@ struct PointTable {
   bool uniform = true;                 ///< all factors are 1
 };
 
-/// One entry per point. `missing_unit` stands in where the file names no length unit.
+/// One entry per point. `unstated` stands in where the file names no length unit.
 PointTable decode_points_table(const C3dParameters& parameters, std::size_t points,
-                               const std::string& missing_unit, std::vector<C3dFinding>& findings);
+                               LengthUnit unstated, std::vector<C3dFinding>& findings);
 
 /// The label as it is written into a file whose SUBJECTS group is `parameters`: with the subject's
 /// prefix where that group's labels have prefixes.

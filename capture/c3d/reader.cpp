@@ -318,7 +318,8 @@ C3dReadResult read_source(const ByteSource& source, const C3dReadOptions& option
                       .leading = opening.leading,
                       .section_begin = opening.section_start ? opening.section_start->begin : 0,
                       .section_end = opening.section.end,
-                      .processor = opening.processor},
+                      .processor = opening.processor,
+                      .unstated_rate_hz = options.unstated.rate_hz},
                      result.findings);
   layout.places = std::move(opening.section.places);
   if (opening.section.end > layout.data_begin && layout.parameters_begin < layout.data_begin) {
@@ -334,7 +335,7 @@ C3dReadResult read_source(const ByteSource& source, const C3dReadOptions& option
 
   const C3dParameters& tree = result.take.parameters;
   PointTable table =
-      decode_points_table(tree, layout.points, options.missing_unit, result.findings);
+      decode_points_table(tree, layout.points, options.unstated.unit, result.findings);
   FrameBlocks blocks(source, layout);
   const AnalogTable analog =
       decode_analog_table(tree, layout, first_analog_samples(blocks, layout), result.findings);
@@ -363,7 +364,7 @@ C3dReadResult read_source(const ByteSource& source, const C3dReadOptions& option
 }  // namespace
 
 void C3dReadOptions::declare(ParameterSet& p) {
-  p.group("read", "Reading C3D files");
+  unstated.declare(p);
   p.choice("reader", reader,
            {{C3dReader::own, "own", "Kinemesh's own reader"},
             {C3dReader::ezc3d, "ezc3d", "the ezc3d library, as a second opinion"}},
@@ -372,18 +373,9 @@ void C3dReadOptions::declare(ParameterSet& p) {
            {{ZeroPolicy::gap, "gap", "some software writes it where a marker was not seen"},
             {ZeroPolicy::valid, "valid", "a measured position, as the format says"}},
            "What a marker at exactly (0, 0, 0) with a residual of 0 or more is");
-  p.text("missing-unit", missing_unit,
-         {.metavar = "UNIT", .help = "Length unit of files that do not name theirs: mm, cm or m"});
 }
 
-void C3dReadOptions::validate() const {
-  validate_options(*this);
-  if (!millimetres_in(missing_unit)) {
-    throw UsageError(
-        {.what = "missing-unit is \"" + missing_unit + "\", which is no unit of length",
-         .remedy = "Give mm, cm or m"});
-  }
-}
+void C3dReadOptions::validate() const { validate_options(*this); }
 
 C3dReadResult read_c3d(const std::filesystem::path& path, const C3dReadOptions& options,
                        const RunContext& ctx) {

@@ -16,6 +16,7 @@
 #include "capture/marker_sequence.h"
 #include "config/parameter.h"
 #include "config/run_context.h"
+#include "mesh/formats/options.h"
 
 namespace kinemesh {
 
@@ -28,7 +29,7 @@ enum class ZeroPolicy : uint8_t { gap, valid };
 struct C3dReadOptions {
   C3dReader reader = C3dReader::own;
   ZeroPolicy zero_points = ZeroPolicy::gap;
-  std::string missing_unit = "mm";  ///< length unit assumed where the file names none
+  ReadOptions unstated;  ///< unit and rate of files that do not say theirs; the ezc3d reader too
   void declare(ParameterSet& p);
   /// Throws UsageError.
   void validate() const;

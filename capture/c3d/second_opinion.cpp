@@ -241,7 +241,8 @@ void compare_heads(const C3dReadResult& own, const Ezc3dHead& head, MarkerSequen
 void decode_names(const C3dReadResult& own, MarkerSequence& other) {
   std::vector<C3dFinding> ignored;
   const PointTable table =
-      decode_points_table(other.parameters, other.marker_count(), own.take.origin.unit, ignored);
+      decode_points_table(other.parameters, other.marker_count(),
+                          length_unit_of(own.take.origin.unit).value_or(LengthUnit::mm), ignored);
   std::ranges::copy(table.markers, other.markers().begin());
   const AnalogTable analog = decode_analog_table(other.parameters, own.layout, {}, ignored);
   if (analog.channels.size() == other.analog.channels.size())

@@ -87,7 +87,7 @@ void write_labels(const std::vector<Marker>& markers, std::size_t unlabelled, C3
   update_texts(tree, "POINT", "LABELS", labels);
   if (described) update_texts(tree, "POINT", "DESCRIPTIONS", descriptions);
   std::vector<C3dFinding> ignored;
-  const PointTable now = decode_points_table(tree, markers.size(), "mm", ignored);
+  const PointTable now = decode_points_table(tree, markers.size(), LengthUnit::mm, ignored);
   const std::vector<std::string> wanted = kinds_and_units({.markers = markers});
   if (kinds_and_units(now) != wanted) write_kinds(markers, labels, tree);
 }
@@ -142,7 +142,8 @@ void plan_points(const MarkerSequence& take, const C3dWriteOptions& options, C3d
   plan.points = take.marker_count() + plan.unlabelled;
   std::vector<C3dFinding> ignored;
   PointTable table =
-      decode_points_table(plan.parameters, take.marker_count(), take.origin.unit, ignored);
+      decode_points_table(plan.parameters, take.marker_count(),
+                          length_unit_of(take.origin.unit).value_or(LengthUnit::mm), ignored);
   const bool labels_fit = plan.unlabelled == 0 && table.markers == take.markers() &&
                           all_strings(plan.parameters, "POINT", "LABELS").size() >= plan.points;
   if (!labels_fit) write_labels(take.markers(), plan.unlabelled, plan);

@@ -120,7 +120,7 @@ void C3dWriteOptions::declare(ParameterSet& p) {
           .help = "Number format: intel, dec, sgi, or origin for that of the file read"});
   p.text("storage", storage,
          {.metavar = "KIND", .help = "int or float, or origin for that of the file read"});
-  p.text("unit", unit,
+  p.text("output-unit", unit,
          {.metavar = "UNIT",
           .help = "Length unit of the file: mm, cm, m, or origin for that of the file read"});
   p.number("scale", scale,
@@ -142,7 +142,7 @@ void C3dWriteOptions::validate() const {
   check("processor", processor, {"intel", "dec", "sgi", "origin"});
   check("storage", storage, {"int", "float", "origin"});
   if (unit != "origin" && !millimetres_in(unit))
-    throw UsageError({.what = "unit is \"" + unit + "\"; allowed are mm, cm, m and origin"});
+    throw UsageError({.what = "output-unit is \"" + unit + "\"; allowed are mm, cm, m and origin"});
 }
 
 std::vector<C3dLoss> c3d_losses(const MarkerSequence& take, const C3dWriteOptions& options) {

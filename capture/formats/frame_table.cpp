@@ -141,8 +141,9 @@ class TableReader {
       return table_.rate_hz;
     }
     if (from_times > 0) return from_times;
+    if (options_.unstated.rate_hz > 0) return options_.unstated.rate_hz;
     text_.refuse(rows_.front().line, "the frame rate is not known",
-                 "Export with the header or with a time column");
+                 "Say it with --rate, or export with the header or with a time column");
   }
 
   void fill(std::size_t line, std::size_t frame, MarkerSequence& take) {

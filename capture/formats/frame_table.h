@@ -9,12 +9,14 @@
 #include "capture/formats/table_text.h"
 #include "capture/marker_sequence.h"
 #include "config/run_context.h"
+#include "mesh/formats/options.h"
 
 namespace kinemesh {
 
 /// What a reader of text tables is told.
 struct TableReadOptions {
   bool zero_is_gap = true;  ///< a point at exactly (0, 0, 0) counts as not measured
+  ReadOptions unstated;     ///< unit and rate of tables that do not say theirs
 };
 
 /// Where the values of one marker stand (0-based cells).

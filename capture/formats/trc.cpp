@@ -99,6 +99,7 @@ MarkerSequence read_trc(const TableText& text, const TableReadOptions& options,
   table.rate_hz = number_of(text, header, "datarate", values_line);
   table.declared_frames =
       static_cast<std::size_t>(number_of(text, header, "numframes", values_line));
+  table.millimetres = millimetres_per(options.unstated.unit);
   if (const auto unit = header.find("units"); unit != header.end()) {
     const std::optional<double> mm = millimetres_per(unit->second);
     if (!mm)
@@ -133,7 +134,7 @@ MarkerSequence read_trc(const TableText& text, const TableReadOptions& options,
     ++table.first_line;
   }
   MarkerSequence take = read_frame_table(text, table, options, ctx);
-  take.origin.unit = "mm";
+  take.origin.unit = name_of(options.unstated.unit);
   if (const auto unit = header.find("units"); unit != header.end()) take.origin.unit = unit->second;
   return take;
 }

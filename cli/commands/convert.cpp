@@ -1,10 +1,13 @@
 // kinemesh convert: a recorded session becomes an animated mesh, with pictures and a summary.
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "capture/formats/mesh_formats.h"
 #include "cli/commands/commands.h"
+#include "config/error.h"
 #include "config/text.h"
 #include "config/version.h"
+#include "mesh/formats/mesh_io.h"
 #include "reconstruct/convert_files.h"
 #include "reconstruct/convert_summary.h"
 
@@ -16,15 +19,64 @@ struct State {
   ConvertFilesOptions options;
 };
 
+/// An animated mesh rather than a recorded session, judged by its name. C3D, TRC and CSV hold both;
+/// they are sessions here.
+bool is_mesh(const FormatRegistry& formats, const std::string& input) {
+  if (std::filesystem::is_directory(input)) return true;
+  const Format* format = formats.reader_for(input);
+  return format != nullptr && format->keeps.faces;
+}
+
+ExitCode convert_mesh(const FormatRegistry& formats, const State& state, Terminal& terminal) {
+  const ConvertJob& job = state.job;
+  if (job.output.empty()) {
+    throw UsageError({.what = job.session + " is a mesh: its conversion needs a file to write",
+                      .remedy = "Say which with -o, for example -o face.glb"});
+  }
+  state.options.validate();
+  if (!job.previous.empty() || !job.edits.empty()) {
+    throw UsageError({.what = job.session + " is a mesh: --topology and --edits are for sessions",
+                      .remedy = "Give the session that was recorded"});
+  }
+  const AnimationFile in =
+      read_animation_file(formats, job.session, state.options.reading.c3d.unstated,
+                          terminal.run.part(0.0, 0.5, "reading"));
+  const WriteResult out = write_animation(formats, in.mesh, job.output, state.options.writing,
+                                          terminal.run.part(0.5, 1.0, "writing"));
+  const std::string lost = formats.find(out.format)->loses();
+  const std::vector<std::string> files(out.files.begin(), out.files.end());
+  if (terminal.json) {
+    terminal.print(nlohmann::ordered_json{
+        {"input", job.session},
+        {"input_format", in.format},
+        {"vertices", in.mesh.vertex_count()},
+        {"frames", in.mesh.frame_count()},
+        {"format", out.format},
+        {"outputs", files},
+        {"max_error_mm", out.report.max_error_mm},
+        {"not_kept",
+         lost}}.dump(2));
+  } else if (!terminal.quiet) {
+    terminal.print(job.session + ": " + count_of(in.mesh.vertex_count(), "vertex", "vertices") +
+                   ", " + count_of(in.mesh.frame_count(), "frame"));
+    for (const std::string& note : out.report.notes) terminal.print(note);
+    if (!lost.empty()) terminal.print(out.format + " does not keep: " + lost);
+    terminal.print("written     " + files.front() +
+                   (files.size() > 1 ? "\n            " + files.back() : ""));
+  }
+  return ExitCode::done;
+}
+
 ExitCode convert(State& state, Terminal& terminal) {
+  const FormatRegistry formats = all_formats();
+  if (is_mesh(formats, state.job.session)) return convert_mesh(formats, state, terminal);
   if (state.job.output.empty()) {
     state.job.output = std::filesystem::path(state.job.session).stem().string() + ".ply";
   }
   state.job.program = program_version();
   state.job.command = terminal.command_line;
   state.job.options_toml = terminal.options_toml;
-  const ConvertFilesResult done =
-      convert_files(all_formats(), state.job, state.options, terminal.run);
+  const ConvertFilesResult done = convert_files(formats, state.job, state.options, terminal.run);
   if (terminal.json) {
     terminal.print(summary_json(done.session, done.conversion, done.outputs));
   } else if (!terminal.quiet) {
@@ -42,10 +94,13 @@ CommandSpec convert_command() {
           .example =
               "kinemesh convert session.c3d -o face.ply\n"
               "kinemesh convert session.c3d -o face.pvd --stabilise --fill cubic --max-gap 0.1\n"
-              "kinemesh convert surprise.c3d -o surprise.ply --topology happy.ply",
+              "kinemesh convert surprise.c3d -o surprise.ply --topology happy.ply\n"
+              "kinemesh convert face.ply -o face.glb",
           .setup = [](CommandLine& line) -> Action {
             auto state = std::make_shared<State>();
-            line.positional("SESSION", state->job.session, "The session: C3D, TRC or CSV");
+            line.positional("SESSION", state->job.session,
+                            "The session: C3D, TRC or CSV; or an animated mesh, to be "
+                            "written in another format");
             line.option(
                 "-o,--output", state->job.output, "OUT",
                 "File of the animated mesh; its extension decides the format. By default the "

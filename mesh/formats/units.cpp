@@ -34,9 +34,9 @@ std::optional<LengthUnit> length_unit_of(std::string_view name) {
   const std::string word = lower(trim(name));
   const auto begins = [&word](std::string_view prefix) { return word.starts_with(prefix); };
   if (word == "um" || word == "µm" || begins("microm")) return LengthUnit::um;
-  if (word == "mm" || begins("millim")) return LengthUnit::mm;
-  if (word == "cm" || begins("centim")) return LengthUnit::cm;
-  if (word == "m" || begins("mete") || begins("metre")) return LengthUnit::m;
+  if (word == "mm" || begins("mill")) return LengthUnit::mm;
+  if (word == "cm" || begins("cent")) return LengthUnit::cm;
+  if (word == "m" || begins("mete") || begins("metr")) return LengthUnit::m;
   if (word == "in" || word == "\"" || begins("inch")) return LengthUnit::inch;
   if (word == "ft" || word == "foot" || word == "feet") return LengthUnit::foot;
   return std::nullopt;

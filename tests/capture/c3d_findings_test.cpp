@@ -421,6 +421,29 @@ TEST_P(C3dFindings, IsReportedAndTheDataAreRead) {
 INSTANTIATE_TEST_SUITE_P(Codes, C3dFindings, testing::ValuesIn(all_cases()),
                          [](const auto& tested) { return std::string(tested.param.code); });
 
+TEST(C3dReadOptions, TheUserSaysTheUnitAndTheRateOfAFileThatDoesNot) {
+  C3dParts parts = test::take_apart(healthy());
+  erase_parameter(parts.parameters, "POINT", "UNITS");
+  erase_parameter(parts.parameters, "POINT", "RATE");
+  erase_parameter(parts.parameters, "ANALOG", "RATE");
+  parts.header.rate_hz = 0.0F;
+  const std::string file = put_together(parts);
+  const auto bytes = std::as_bytes(std::span(file));
+  const C3dReadResult plain = read_c3d(bytes, "plain.c3d");
+  const C3dReadResult told =
+      read_c3d(bytes, "told.c3d", {.unstated = {.unit = LengthUnit::m, .rate_hz = 50.0}});
+  EXPECT_EQ(plain.take.rate_hz, 1.0);
+  EXPECT_EQ(told.take.rate_hz, 50.0);
+  EXPECT_FALSE(test::has_finding(told, "C3D316"));
+  EXPECT_EQ(told.take.position(0, 1), 1000.0F * plain.take.position(0, 1));
+  // A file that says its own is believed.
+  const std::string stated = healthy();
+  const C3dReadResult same = read_c3d(std::as_bytes(std::span(stated)), "stated.c3d",
+                                      {.unstated = {.unit = LengthUnit::m, .rate_hz = 50.0}});
+  EXPECT_EQ(same.take.rate_hz, healthy_take().rate_hz);
+  EXPECT_EQ(same.take.position(0, 1), healthy_take().position(0, 1));
+}
+
 TEST(C3dFindingTable, EveryCodeOfTheReaderHasItsCase) {
   const std::vector<Case> cases = all_cases();
   for (const C3dFindingKind& kind : c3d_finding_kinds()) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "config/input_file.h"
@@ -191,6 +192,26 @@ TEST(Convert, CtrlCLeavesNothingBehind) {
     }
   }
   EXPECT_TRUE(cancelled);
+}
+
+TEST(Convert, AMeshIsWrittenInAnotherFormatWithTheUnitAndRateThatItDoesNotSay) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "step_1.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  std::ofstream(folder.path() / "step_2.obj") << "v 0 0 .5\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  const auto run = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"convert", folder.path() / "step_#.obj"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return test::run_program(KINEMESH_PROGRAM, arguments);
+  };
+  const std::string out = folder.path() / "steps.pvd";
+  const auto done = run({"-o", out, "--unit", "cm", "--rate", "25", "--json"});
+  ASSERT_EQ(done.exit_code, 0) << done.err;
+  EXPECT_EQ(Json::parse(done.out)["frames"], 2);
+  const AnimatedMesh mesh = read_animation(builtin_mesh_formats(), out);
+  EXPECT_EQ(mesh.rate_hz, 25.0);
+  EXPECT_EQ(mesh.frame(1)(0, 2), 5.0F);
+  EXPECT_EQ(run({}).exit_code, 2);
+  EXPECT_EQ(run({"-o", out, "--edits", "list.toml"}).exit_code, 2);
 }
 
 TEST(Convert, ErrorsNameFileAndRemedy) {
