@@ -92,9 +92,10 @@ void add(TrialScore& score, const MarkerSequence& truth, double truth_noise, con
 }
 
 TrialScore run_trial(const MarkerSequence& truth, const Trajectories& gapped,
-                     const std::vector<GapAt>& gaps, FillMethod method, bool clean_truth) {
+                     const std::vector<GapAt>& gaps, FillMethod method, FillEffort effort,
+                     bool clean_truth) {
   const auto begin = std::chrono::steady_clock::now();
-  GapFillOptions options{.method = method, .fill_rest = false};
+  GapFillOptions options{.method = method, .effort = effort, .fill_rest = false};
   options.max_gap_s = std::numeric_limits<int>::max() / std::max(1.0, gapped.rate_hz());
   const fill::Filler filler(truth.markers(), gapped, options);
   TrialScore score;
@@ -171,6 +172,11 @@ void EvaluateFillOptions::declare(ParameterSet& p) {
             .min = 0,
             .max = 100,
             .help = "noise added to every coordinate; errors are measured without it"});
+  p.choice("effort", effort,
+           {{FillEffort::automatic, "auto", "as the take is filled by process"},
+            {FillEffort::full, "full", "as for a take with few gaps"},
+            {FillEffort::fast, "fast", "as for a take with many gaps"}},
+           "how long auto may take over a gap");
   p.list("methods", methods, {.metavar = "METHOD", .help = "methods to compare"});
 }
 
@@ -209,7 +215,7 @@ EvaluateFillResult evaluate_fill(const MarkerSequence& take, const EvaluateFillO
       const auto gaps = draw_gaps(starts, markers, result.gap_frames, ctx.seed() * 1000003ULL + t);
       Trajectories gapped = whole;
       for (const GapAt& gap : gaps) gapped.forget(gap.marker, gap.frames);
-      scores[t] = run_trial(take, gapped, gaps, method, options.noise_mm > 0.0);
+      scores[t] = run_trial(take, gapped, gaps, method, options.effort, options.noise_mm > 0.0);
     });
     part.progress(1.0);
     result.scores.push_back(summarise(method, scores));

@@ -18,6 +18,7 @@ struct EvaluateFillOptions {
   int trials = 64;
   double noise_mm = 0.0;  ///< normal noise added to every coordinate of the take before stretches
                           ///< are removed; errors are measured against the take without it
+  FillEffort effort = FillEffort::automatic;  ///< of auto
   std::vector<std::string> methods = {"auto",    "linear", "cubic", "quintic",
                                       "pattern", "rigid",  "pca"};
 

@@ -58,6 +58,11 @@ void GapFillOptions::declare(ParameterSet& p) {
             {FillMethod::rigid, "rigid", "three or more companions as a rigid body"},
             {FillMethod::pca, "pca", "correlations between markers"}},
            "how gaps are filled");
+  p.choice("effort", effort,
+           {{FillEffort::automatic, "auto", "full for up to 100 gaps, fast for more"},
+            {FillEffort::full, "full", "some 10 ms a gap"},
+            {FillEffort::fast, "fast", "some 1 ms a gap"}},
+           "how long auto may take over a gap");
   p.number("max-gap", max_gap_s,
            {.unit = "s",
             .min = 0,

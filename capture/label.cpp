@@ -252,6 +252,7 @@ MarkerSequence assemble(const MarkerSequence& take, const SubjectTemplate& subje
   }
   MarkerSequence out = empty_like(take, take.frame_count(), markers);
   out.analog = take.analog;
+  out.rotations = take.rotations;
   out.unlabelled.offsets.push_back(0);
   std::vector<int64_t> last(columns.size(), -2);
   for (std::size_t f = 0; f < take.frame_count(); ++f) {

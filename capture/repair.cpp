@@ -1,5 +1,6 @@
 #include "capture/repair.h"
 
+#include "capture/edit/operation.h"
 #include "capture/formats/table_text.h"
 #include "config/text.h"
 
@@ -20,10 +21,8 @@ void apply(const LabelSwap& swap, RepairResult& result) {
   const std::string a = name_in(take, swap.a);
   const std::string b = name_in(take, swap.b);
   const std::string from = frame_number(take, swap.from);
-  EditList step;
-  step.steps.push_back(make_edit("swap", {{"a", {a}}, {"b", {b}}, {"from", {from}}}));
-  result.take = apply_edits(result.take, step).take;
-  result.edits.steps.push_back(step.steps.front());
+  result.edits.steps.push_back(make_edit("swap", {{"a", {a}}, {"b", {b}}, {"from", {from}}}));
+  swap_samples(result.take, swap.a, swap.b, {swap.from, take.frame_count()});
   result.done.push_back("exchanged " + a + " and " + b + " from frame " + from + " on: they were " +
                         format_fixed(swap.error_mm, 1) +
                         " mm from where their neighbours say, now " +

@@ -54,8 +54,8 @@ struct RepairResult {
 /// from the mean of the samples beside it) and as many × that of its surroundings from the cubic
 /// through the samples around, while these fit each other without the spike.
 /// Swaps: a marker jumps, or comes back from a gap, farther from where its neighbours say it should
-/// be than 0.35 × the distance to the nearest marker, to where another one should be, and that
-/// other one likewise to its place.
+/// be than 0.35 × the distance to the nearest marker and 3 × what is usual for it from one frame to
+/// the next, to where another one should be, and that other one likewise to its place.
 /// Markers of the body alone are looked at; filled samples are not.
 RepairResult repair_take(const MarkerSequence& take, const RepairOptions& options = {},
                          const RunContext& ctx = {});

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "capture/c3d/point_table.h"
 #include "capture/rigid_markers.h"
+#include "capture/rotation_data.h"
 #include "config/error.h"
 #include "config/parallel.h"
 #include "config/text.h"
@@ -158,7 +160,10 @@ void rest_on_reference(StabiliseResult& result) {
 }
 
 void move_to_head(const std::vector<HeadPose>& poses, MarkerSequence& take) {
+  const double unit_mm = millimetres_in(take.origin.unit).value_or(1.0);
   for (std::size_t f = 0; f < take.frame_count(); ++f) {
+    const Eigen::Matrix3d turn = poses[f].rotation.transpose();
+    move_rotations(take.rotations, f, turn, -(turn * poses[f].translation) / unit_mm);
     for (std::size_t m = 0; m < take.marker_count(); ++m) {
       const bool point = take.markers()[m].kind <= MarkerKind::virtual_point;
       if (!point || !take.valid(f, m)) continue;

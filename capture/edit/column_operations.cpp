@@ -28,6 +28,7 @@ void drop_columns(MarkerSequence& take, const std::vector<std::size_t>& kept) {
   MarkerSequence left = take.select(kept);
   left.unlabelled = std::move(take.unlabelled);
   left.analog = std::move(take.analog);
+  left.rotations = std::move(take.rotations);
   left.parameters = std::move(take.parameters);
   take = std::move(left);
 }
@@ -78,17 +79,7 @@ class Swap : public EditOperation {
     const std::size_t a = marker_named(take, a_);
     const std::size_t b = marker_named(take, b_);
     const FrameSpan span = frames_between(take, from_, to_);
-    for (std::size_t f = span.begin; f < span.end; ++f) {
-      const std::size_t i = take.sample(f, a);
-      const std::size_t j = take.sample(f, b);
-      for (std::size_t c = 0; c < 3; ++c) {
-        std::swap(take.positions()[3 * i + c], take.positions()[3 * j + c]);
-      }
-      std::swap(take.flags()[i], take.flags()[j]);
-      std::swap(take.residuals()[i], take.residuals()[j]);
-      std::swap(take.camera_masks()[i], take.camera_masks()[j]);
-      if (!take.uncertainty().empty()) std::swap(take.uncertainty()[i], take.uncertainty()[j]);
-    }
+    swap_samples(take, a, b, span);
     return "swapped " + a_ + " and " + b_ + span_text(take, span);
   }
 
@@ -245,6 +236,20 @@ class UniteTwins : public EditOperation {
 };
 
 }  // namespace
+
+void swap_samples(MarkerSequence& take, std::size_t a, std::size_t b, const FrameSpan& span) {
+  for (std::size_t f = span.begin; f < span.end; ++f) {
+    const std::size_t i = take.sample(f, a);
+    const std::size_t j = take.sample(f, b);
+    for (std::size_t c = 0; c < 3; ++c) {
+      std::swap(take.positions()[3 * i + c], take.positions()[3 * j + c]);
+    }
+    std::swap(take.flags()[i], take.flags()[j]);
+    std::swap(take.residuals()[i], take.residuals()[j]);
+    std::swap(take.camera_masks()[i], take.camera_masks()[j]);
+    if (!take.uncertainty().empty()) std::swap(take.uncertainty()[i], take.uncertainty()[j]);
+  }
+}
 
 std::shared_ptr<EditOperation> make_column_operation(std::string_view name) {
   if (name == "rename") return std::make_shared<Rename>();

@@ -5,6 +5,7 @@
 #include "capture/c3d/point_table.h"
 #include "capture/edit/anonymise.h"
 #include "capture/edit/operation.h"
+#include "capture/rotation_data.h"
 #include "config/error.h"
 #include "config/text.h"
 
@@ -111,6 +112,7 @@ class Units : public EditOperation {
     if (!now) throw UsageError({.what = "'" + unit_ + "' is no unit of length: mm, cm or m"});
     const double before = millimetres_in(take.origin.unit).value_or(1.0);
     take.origin.scale *= before / *now;  // the same step in the other unit
+    scale_rotations(take.rotations, before / *now);
     const std::string old = take.origin.unit;
     take.origin.unit = unit_;
     return "lengths are written in " + unit_ + " instead of " + old;
@@ -155,6 +157,11 @@ class Axes : public EditOperation {
       turn(p[3 * i], p[3 * i + 1], p[3 * i + 2]);
     }
     for (Eigen::Vector3f& q : take.unlabelled.positions) turn(q.x(), q.y(), q.z());
+    Eigen::Matrix3d whole = Eigen::Matrix3d::Identity();
+    for (Eigen::Index c = 0; c < 3; ++c) turn(whole(0, c), whole(1, c), whole(2, c));
+    for (std::size_t f = 0; f < take.frame_count(); ++f) {
+      move_rotations(take.rotations, f, whole, Eigen::Vector3d::Zero());
+    }
     if (C3dParameter* corners = take.parameters.find("FORCE_PLATFORM", "CORNERS")) {
       std::vector<double>& n = corners->numbers;
       for (std::size_t i = 0; i + 2 < n.size(); i += 3) turn(n[i], n[i + 1], n[i + 2]);

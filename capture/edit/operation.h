@@ -57,6 +57,9 @@ struct FrameSpan {
 /// Throws UsageError for frames outside the take or in the wrong order.
 FrameSpan frames_between(const MarkerSequence& take, int64_t from, int64_t to);
 
+/// Exchanges all samples of two markers.
+void swap_samples(MarkerSequence& take, std::size_t a, std::size_t b, const FrameSpan& span);
+
 /// Declares the parameters `from` and `to`.
 void declare_frames(ParameterSet& p, int64_t& from, int64_t& to);
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "capture/c3d/point_table.h"
+#include "capture/rotation_data.h"
 #include "config/error.h"
 #include "config/parallel.h"
 #include "config/text.h"
@@ -190,6 +192,7 @@ MarkerSequence crop_frames(const MarkerSequence& take, FrameRange frames) {
     std::copy_n(take.analog.values.data() + frames.begin * per_frame, frames.size() * per_frame,
                 out.analog.values.data());
   }
+  out.rotations = rotations_in(take.rotations, frames);
   if (!(take.rate_hz > 0.0)) return out;
   const double cut = start_time(take) + static_cast<double>(frames.begin) / take.rate_hz;
   const double length = static_cast<double>(frames.size()) / take.rate_hz;
@@ -233,6 +236,15 @@ MarkerSequence join_takes(const MarkerSequence& first, const MarkerSequence& sec
     }
   }
   join_analog(first, second, pause, out, notes);
+  RotationData behind = second.rotations;
+  scale_rotations(behind, millimetres_in(second.origin.unit).value_or(1.0) /
+                              millimetres_in(first.origin.unit).value_or(1.0));
+  out.rotations = joined_rotations(first.rotations, first.frame_count(), behind, pause);
+  const bool turning = !first.rotations.values.empty() || !second.rotations.values.empty();
+  if (turning && out.rotations.values.empty() && notes != nullptr) {
+    notes->push_back(
+        "the rotations are left out, because the takes differ in their number or rate");
+  }
   if (first.rate_hz > 0.0) {
     const double later =
         start_time(first) - start_time(second) + static_cast<double>(shift) / first.rate_hz;

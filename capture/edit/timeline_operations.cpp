@@ -65,9 +65,10 @@ class Resample : public EditOperation {
   }
   std::string apply(MarkerSequence& take, const EditContext& context) const override {
     const double before = take.rate_hz;
+    const bool turning = !take.rotations.values.empty();
     take = resample_take(take, rate_hz_, context.run);
     return "resampled from " + format_number(before) + " to " + format_number(rate_hz_) + " Hz, " +
-           count_of(take.frame_count(), "frame");
+           count_of(take.frame_count(), "frame") + (turning ? "; the rotations are left out" : "");
   }
 
  private:

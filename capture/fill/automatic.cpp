@@ -29,14 +29,48 @@ Trajectories fill_roughly(const Trajectories& take) {
   return rough;
 }
 
-Automatic::Automatic(const Trajectories& take) : take_(take), rough_(fill_roughly(take)) {}
+namespace {
+
+struct Effort {
+  TrainingOptions training;
+  ProcessOptions process;
+};
+
+/// What a gap of this length is worth. Short gaps need little beside the samples next to them.
+Effort effort_for(const AutomaticOptions& options, double gap_s) {
+  Effort effort;
+  if (!options.fast) return effort;
+  constexpr double short_s = 0.16;
+  const bool brief = gap_s <= short_s;
+  effort.training.rows = brief ? 56 : 120;
+  effort.training.donors = brief ? 10 : 16;
+  effort.training.frame_rounds = 1;
+  effort.process.noise_rows = brief ? 40 : 60;
+  effort.process.noise_step = 10.0;
+  effort.process.lengths = {0.25};
+  if (brief) effort.process.times_s = {10.0 / 60.0};
+  return effort;
+}
+
+}  // namespace
+
+Automatic::Automatic(const Trajectories& take, const AutomaticOptions& options)
+    : take_(take), options_(options), rough_(fill_roughly(take)), noise_(take.markers(), 0.0) {
+  for (std::size_t m = 0; m < take.markers(); ++m) {
+    if (take.measured_count(m) > 0 && take.measured_count(m) < take.frames()) {
+      noise_[m] = noise_variance(take, m);
+    }
+  }
+}
 
 Estimate Automatic::fill(const GapAt& gap) const {
   constexpr std::size_t least_rows = 8;  // with fewer there is nothing to learn from
   if (take_.measured_count(gap.marker) >= least_rows) {
-    const TrainingSet set = make_training_set(take_, rough_, gap, {});
+    const double rate = take_.rate_hz() > 0.0 ? take_.rate_hz() : 60.0;
+    const Effort effort = effort_for(options_, static_cast<double>(gap.frames.size()) / rate);
+    const TrainingSet set = make_training_set(take_, rough_, gap, effort.training);
     if (set.rows.size() >= least_rows) {
-      return estimate_gap(set, take_.rate_hz(), noise_variance(take_, gap.marker));
+      return estimate_gap(set, take_.rate_hz(), noise_[gap.marker], effort.process);
     }
   }
   Estimate rough;

@@ -8,16 +8,23 @@
 
 namespace kinemesh::fill {
 
+/// How much a gap may cost.
+struct AutomaticOptions {
+  bool fast = false;  ///< fewer rows, donors and settings: a tenth of the time
+};
+
 /// Prepared once for a take, then asked for each gap, from any thread.
 class Automatic {
  public:
-  explicit Automatic(const Trajectories& take);
+  explicit Automatic(const Trajectories& take, const AutomaticOptions& options = {});
   /// Always gives an estimate, with its uncertainty, for a marker that is measured at least once.
   Estimate fill(const GapAt& gap) const;
 
  private:
   const Trajectories& take_;
+  AutomaticOptions options_;
   Trajectories rough_;
+  std::vector<double> noise_;  ///< variance by marker, mm²; of those with gaps
 };
 
 /// The take with every gap filled provisionally: by the mean displacement of up to six neighbours

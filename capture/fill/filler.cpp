@@ -10,6 +10,20 @@
 #include "config/text.h"
 
 namespace kinemesh::fill {
+namespace {
+
+/// With many gaps each may cost less: a long session is to be cleaned in a second or so.
+bool is_fast(const Trajectories& take, const GapFillOptions& options) {
+  if (options.effort != FillEffort::automatic) return options.effort == FillEffort::fast;
+  constexpr std::size_t many = 100;
+  std::size_t gaps = 0;
+  for (std::size_t m = 0; m < take.markers() && gaps <= many; ++m) {
+    if (take.measured_count(m) < take.frames()) gaps += take.gaps(m).size();
+  }
+  return gaps > many;
+}
+
+}  // namespace
 
 Filler::Filler(const std::vector<Marker>& markers, const Trajectories& trajectories,
                const GapFillOptions& options)
@@ -20,7 +34,9 @@ Filler::Filler(const std::vector<Marker>& markers, const Trajectories& trajector
   for (const std::string& label : options.companions) {
     companions_.push_back(marker_named(markers, label, "companion"));
   }
-  if (fill_rest_ || method_ == FillMethod::automatic) automatic_.emplace(trajectories);
+  if (fill_rest_ || method_ == FillMethod::automatic) {
+    automatic_.emplace(trajectories, AutomaticOptions{.fast = is_fast(trajectories, options)});
+  }
 }
 
 std::size_t Filler::marker_named(const std::vector<Marker>& markers, const std::string& label,

@@ -152,9 +152,8 @@ Fitted fit(Dense covariance, const Eigen::MatrixXd& outputs,
 }
 
 /// Rows next to the gap and every so many of the others: where noise is told from motion.
-std::vector<std::size_t> probe_rows(const TrainingSet& set) {
+std::vector<std::size_t> probe_rows(const TrainingSet& set, std::size_t most) {
   constexpr std::size_t near_frames = 40;
-  constexpr std::size_t most = 120;
   std::vector<std::size_t> near;
   std::vector<std::size_t> far;
   for (std::size_t i = 0; i < set.rows.size(); ++i) {
@@ -170,12 +169,13 @@ std::vector<std::size_t> probe_rows(const TrainingSet& set) {
 
 /// The variance that no input explains, in units of the covariance: the most likely one,
 /// at least a millionth of the time term's (less lets the inputs be taken as exact, which harms).
-double choose_nugget(const Covariance& covariance, const TrainingSet& set, const Setting& setting) {
-  const std::vector<std::size_t> rows = probe_rows(set);
+double choose_nugget(const Covariance& covariance, const TrainingSet& set, const Setting& setting,
+                     const ProcessOptions& options) {
+  const std::vector<std::size_t> rows = probe_rows(set, options.noise_rows);
   double best = 1e-6 * covariance.time_amplitude();
   double best_likelihood = -std::numeric_limits<double>::infinity();
   const Dense base = covariance.among(rows, setting, 0.0);
-  for (double factor = 1e-6; factor < 20.0; factor *= std::sqrt(10.0)) {
+  for (double factor = 1e-6; factor < 20.0; factor *= options.noise_step) {
     const double nugget = factor * covariance.time_amplitude();
     Dense k = base;
     for (std::size_t i = 0; i < rows.size(); ++i) k(i, i) += nugget;
@@ -278,7 +278,7 @@ Estimate estimate_gap(const TrainingSet& set, double rate_hz, double noise,
                       const ProcessOptions& options) {
   const Covariance covariance(set, rate_hz, options);
   const std::vector<Setting> settings = settings_for(set, options);
-  const double nugget = choose_nugget(covariance, set, settings[settings.size() / 2]);
+  const double nugget = choose_nugget(covariance, set, settings[settings.size() / 2], options);
   const Average estimate = average(covariance, set, settings, nugget, options.softening);
   Estimate out;
   for (std::size_t i = 0; i < set.gap.size(); ++i) {

@@ -22,6 +22,8 @@ struct ProcessOptions {
   std::vector<double> lengths = {0.125, 0.25, 0.5};  ///< of the rational quadratic, in units of the
                                                      ///< root mean square norm of the inputs
   std::vector<double> times_s = {5.0 / 60.0, 10.0 / 60.0};  ///< of the Matérn term
+  std::size_t noise_rows = 120;            ///< at most so many rows tell noise from motion
+  double noise_step = 3.1622776601683795;  ///< factor from one noise tried to the next
   double softening = 10.0;  ///< settings are averaged by (marginal likelihood)^(softening / values)
 };
 

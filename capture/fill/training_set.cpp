@@ -103,8 +103,9 @@ std::vector<std::size_t> thin_rows(const Trajectories& take, const GapAt& gap,
                                    const std::vector<std::size_t>& complete,
                                    const TrainingOptions& options) {
   if (complete.size() <= options.rows) return complete;
-  constexpr std::size_t dense = 12;        // frames beside the gap that are all taken
-  constexpr std::size_t most_a_side = 40;  // near rows on one side
+  constexpr std::size_t dense = 12;  // frames beside the gap that are all taken
+  // Near rows on one side; a third of the rows at least are left for the rest of the take.
+  const std::size_t most_a_side = std::clamp<std::size_t>(options.rows / 3, dense, 40);
   const auto near = static_cast<std::size_t>(
       std::max(static_cast<double>(dense), std::round(options.near_s * take.rate_hz())));
   std::vector<std::size_t> rows;
@@ -132,7 +133,7 @@ std::vector<std::size_t> thin_rows(const Trajectories& take, const GapAt& gap,
 class CommonFrame {
  public:
   CommonFrame(const Trajectories& rough, const std::vector<Donor>& donors,
-              const std::vector<std::size_t>& frames, std::size_t row_count)
+              const std::vector<std::size_t>& frames, std::size_t row_count, int rounds)
       : poses_(frames.size()), count_(donors.size()) {
     positions_.reserve(frames.size() * count_);
     for (const std::size_t f : frames) {
@@ -141,7 +142,6 @@ class CommonFrame {
     if (count_ < 4 || row_count == 0) return;
     std::vector<Eigen::Vector3d> shape(at(row_count / 2).begin(), at(row_count / 2).end());
     std::vector<double> weights(count_, 1.0);
-    constexpr int rounds = 2;
     for (int round = 0; round <= rounds; ++round) {
       for (std::size_t i = 0; i < frames.size(); ++i) poses_[i] = fit_rigid(shape, at(i), weights);
       if (round < rounds) average(row_count, shape, weights);
@@ -220,7 +220,7 @@ TrainingSet make_training_set(const Trajectories& take, const Trajectories& roug
   frames.insert(frames.end(), set.gap.begin(), set.gap.end());
   const std::size_t rows = set.rows.size();
 
-  const CommonFrame frame(rough, donors, frames, rows);
+  const CommonFrame frame(rough, donors, frames, rows, options.frame_rounds);
   set.inputs = make_inputs(frame, donors, rows, frames.size());
   set.outputs.resize(static_cast<Eigen::Index>(rows), 3);
   for (std::size_t i = 0; i < rows; ++i) {

@@ -16,6 +16,7 @@ struct TrainingOptions {
   double donor_range_mm = 40.0;  ///< donors count less with distance over this length, or over 1.2
                                  ///< × the mean distance to the five nearest, if that is larger
   std::size_t donors = 24;       ///< at most
+  int frame_rounds = 2;          ///< refinements of the common frame's mean shape
 };
 
 /// Frames, inputs and outputs; the columns of `inputs` are the rows, then the gap's frames.

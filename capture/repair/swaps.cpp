@@ -16,6 +16,7 @@ class SwapFinder {
   SwapFinder(LocalMotion motion, double rate_hz)
       : motion_(std::move(motion)), last_seen_(motion_.markers(), none) {
     wait_ = std::max<std::size_t>(10, static_cast<std::size_t>(std::lround(1.5 * rate_hz)));
+    for (std::size_t m = 0; m < motion_.markers(); ++m) least_jump_.push_back(jump_of_note(m));
   }
 
   std::vector<LabelSwap> run(const RunContext& ctx) {
@@ -50,10 +51,30 @@ class SwapFinder {
     return away(a, a, f, none) > limit;
   }
 
-  double least_jump(std::size_t a) const {
+  double least_jump(std::size_t a) const { return least_jump_[a]; }
+
+  /// A jump is more than noise and motion make from frame to frame, and leads towards another
+  /// marker. Where noise is as large as the distance to that one, nothing can be said.
+  double jump_of_note(std::size_t a) const {
     constexpr double share = 0.35;
     constexpr double least_mm = 1.5;
-    return std::max(least_mm, share * motion_.spacing(a));
+    constexpr double of_usual =
+        3.0;  // a normal deviation in space exceeds it once in 10,000 frames
+    return std::max({least_mm, share * motion_.spacing(a), of_usual * usual_deviation(a)});
+  }
+
+  /// Median over the take of how far a marker's step from one frame to the next is from that of its
+  /// neighbours.
+  double usual_deviation(std::size_t a) const {
+    constexpr std::size_t most_samples = 100;
+    const std::size_t stride = std::max<std::size_t>(1, motion_.frames() / most_samples);
+    std::vector<double> deviations;
+    for (std::size_t f = 1; f < motion_.frames(); f += stride) {
+      if (!motion_.has(f, a) || !motion_.has(f - 1, a)) continue;
+      const auto common = motion_.displacement(a, f - 1, f);
+      if (common) deviations.push_back((motion_.at(f, a) - motion_.at(f - 1, a) - *common).norm());
+    }
+    return deviations.empty() ? 0.0 : repair::median_of(deviations);
   }
 
   /// How far marker `who` in frame f is from where `whose` should be by its last sight before
@@ -72,14 +93,26 @@ class SwapFinder {
     return none;
   }
 
+  /// Any other marker may have the label, near or far; few are where `a` is now.
   std::optional<LabelSwap> explain(std::size_t a, std::size_t f) const {
     std::optional<LabelSwap> best;
-    for (const std::size_t b : motion_.neighbours(a)) {
-      if (last_seen_[b] == none) continue;
+    for (std::size_t b = 0; b < motion_.markers(); ++b) {
+      if (b == a || last_seen_[b] == none || !may_be_at(b, motion_.at(f, a), a, f)) continue;
       const auto swap = judge(a, b, f);
       if (swap && (!best || swap->mended_mm < best->mended_mm)) best = swap;
     }
     return best;
+  }
+
+  /// A first look: was marker b, moved with its neighbours, closer to `place` than `a` was?
+  bool may_be_at(std::size_t b, const Eigen::Vector3d& place, std::size_t a, std::size_t f) const {
+    const auto from = [&](std::size_t m) {
+      const std::size_t g = last_seen_[m];
+      const Eigen::Vector3d common =
+          motion_.displacement(m, g, f).value_or(Eigen::Vector3d::Zero());
+      return (motion_.at(g, m) + common - place).norm();
+    };
+    return from(b) < from(a);
   }
 
   /// Did a and b exchange their labels in frame f, in which a is seen?
@@ -111,6 +144,7 @@ class SwapFinder {
 
   LocalMotion motion_;
   std::vector<std::size_t> last_seen_;  ///< before the frame looked at
+  std::vector<double> least_jump_;      ///< by marker, mm
   std::size_t wait_ = 0;
 };
 

@@ -72,9 +72,7 @@ Canvas draw_cleaning(const MarkerSequence& before, const MarkerSequence& after,
 void write_take(const Arguments& args, const MarkerSequence& take, Terminal& terminal) {
   const RunContext ctx = terminal.run.part(0.9, 1.0, "writing");
   if (is_c3d(args.output)) {
-    for (const C3dLoss& loss : write_c3d(take, args.output, args.write, ctx).losses) {
-      terminal.run.warn(loss.place + ": " + loss.message);
-    }
+    write_c3d(take, args.output, args.write, ctx);  // warns of what is lost
     return;
   }
   for (const std::string& part : export_session(take, args.output, ctx).left_out) {

@@ -18,6 +18,34 @@ MarkerSequence sample(const std::string& name) {
   return read_session(test::sample_folder() / (name + ".c3d"));
 }
 
+/// Removes this share of all samples in runs of a tenth of a second.
+MarkerSequence with_gaps(MarkerSequence take, double share) {
+  std::mt19937 random(5);
+  const std::size_t length = 12;
+  const auto runs = static_cast<std::size_t>(share * static_cast<double>(take.sample_count()) /
+                                             static_cast<double>(length));
+  for (std::size_t i = 0; i < runs; ++i) {
+    const std::size_t m = random() % take.marker_count();
+    const std::size_t f = random() % (take.frame_count() - length);
+    for (std::size_t k = 0; k < length; ++k) take.flags()[take.sample(f + k, m)] = 0;
+  }
+  return take;
+}
+
+MarkerSequence with_noise(MarkerSequence take, double sd_mm) {
+  std::mt19937 random(6);
+  std::normal_distribution<float> noise(0.0F, static_cast<float>(sd_mm));
+  for (float& v : take.positions()) v += noise(random);
+  return take;
+}
+
+MarkerSequence with_dropped_frames(MarkerSequence take, std::size_t every) {
+  for (std::size_t f = every; f + 1 < take.frame_count(); f += every) {
+    for (std::size_t m = 0; m < take.marker_count(); ++m) take.flags()[take.sample(f, m)] = 0;
+  }
+  return take;
+}
+
 MarkerSequence without_markers(MarkerSequence take, std::size_t count) {
   for (std::size_t f = 0; f < take.frame_count(); ++f) {
     for (std::size_t m = 0; m < count; ++m) take.flags()[take.sample(f, 20 + m)] = 0;
@@ -26,6 +54,32 @@ MarkerSequence without_markers(MarkerSequence take, std::size_t count) {
 }
 
 Verdict verdict_of(const MarkerSequence& take) { return assess_take(take).verdict; }
+
+TEST(Quality, TheVerdictFollowsTheDegradation) {
+  const MarkerSequence take = sample("anna_happy");
+  EXPECT_EQ(verdict_of(take), Verdict::fit_after_cleaning);
+  const auto steps = [&](auto&& degrade, std::initializer_list<double> amounts) {
+    std::string verdicts;
+    int before = 0;
+    for (const double amount : amounts) {
+      const Verdict v = verdict_of(degrade(amount));
+      EXPECT_GE(static_cast<int>(v), before) << amount;
+      before = static_cast<int>(v);
+      verdicts += "fcr"[before];
+    }
+    return verdicts;
+  };
+  EXPECT_EQ(steps([&](double s) { return with_gaps(take, s); }, {0.0, 0.05, 0.10, 0.4, 0.8}),
+            "cccrr");
+  EXPECT_EQ(steps([&](double s) { return with_noise(take, s); }, {0.0, 0.2, 0.5, 1.5, 3.0}),
+            "cccrr");
+  EXPECT_EQ(steps([&](double n) { return with_dropped_frames(take, static_cast<std::size_t>(n)); },
+                  {400, 100, 10, 4}),
+            "ccrr");
+  EXPECT_EQ(steps([&](double n) { return without_markers(take, static_cast<std::size_t>(n)); },
+                  {0, 2, 12, 40}),
+            "ccrr");
+}
 
 TEST(Quality, ReasonsNameWhatIsWrong) {
   const QualityResult lost = assess_take(without_markers(sample("anna_happy"), 40));

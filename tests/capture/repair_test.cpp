@@ -91,6 +91,33 @@ TEST(Repair, FindsNoSwapInRealTakes) {
   }
 }
 
+TEST(Repair, MendsSwapsOfAnyLengthAndTheyCanBeTakenBack) {
+  const MarkerSequence take = sample("anna_happy");
+  const std::size_t a = take.find("LCHK04");
+  const std::size_t b = take.find("LCHK05");
+  ASSERT_NE(a, MarkerSequence::npos);
+  ASSERT_NE(b, MarkerSequence::npos);
+  EditList swap;
+  swap.steps.push_back(make_edit(
+      "swap", {{"a", {"LCHK04"}}, {"b", {"LCHK05"}}, {"from", {"101"}}, {"to", {"160"}}}));
+  const MarkerSequence broken = apply_edits(take, swap).take;
+  const RepairResult mended = repair_take(broken);
+  EXPECT_EQ(mended.swaps.size(), 2U);
+  for (std::size_t f = 0; f < take.frame_count(); ++f) {
+    EXPECT_EQ(mended.take.valid(f, a), take.valid(f, a)) << f;
+    if (!take.valid(f, a)) continue;
+    EXPECT_EQ(mended.take.position(f, a), take.position(f, a)) << f;
+  }
+  // The list gives the same take again; without its steps, the original stays as it was.
+  const EditList again = parse_edits(edits_toml(mended.edits), "edits.toml");
+  const MarkerSequence replayed = apply_edits(broken, again).take;
+  for (std::size_t f = 0; f < take.frame_count(); ++f) {
+    if (!take.valid(f, b)) continue;
+    EXPECT_EQ(replayed.position(f, b), mended.take.position(f, b));
+  }
+  EXPECT_EQ(mended.done.size(), mended.edits.steps.size());
+}
+
 TEST(Repair, TakesOutSpikesAndNothingElse) {
   MarkerSequence take = sample("anna_surprise");
   EXPECT_TRUE(find_spikes(take).empty());
