@@ -18,8 +18,8 @@ MarkerSequence empty_like(const MarkerSequence& take, std::size_t frames,
 void copy_sample(const MarkerSequence& from, std::size_t from_sample, MarkerSequence& to,
                  std::size_t to_sample);
 
-/// The frames alone, with their analog samples, rotations and unlabelled points. They are numbered from 1
-/// again; events keep their instants, those outside are dropped.
+/// The frames alone, with their analog samples, rotations and unlabelled points. They are numbered
+/// from 1 again; events keep their instants, those outside are dropped.
 MarkerSequence crop_frames(const MarkerSequence& take, FrameRange frames);
 
 /// `second` after `first`, with `pause` frames without data in between. Markers are matched by
