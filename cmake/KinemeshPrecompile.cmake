@@ -1,11 +1,12 @@
-# kinemesh_precompile(TARGET [FROM OTHER] [HEADERS <header>...]): with KINEMESH_PRECOMPILE, parses the
-# headers that nearly every file includes once for the target, or takes what OTHER parsed (its compile
-# flags must be the same). Off by default, so that the ordinary build shows an include that is missing.
+# kinemesh_precompile(TARGET [ALWAYS] [FROM OTHER] [HEADERS <header>...]): with KINEMESH_PRECOMPILE or
+# ALWAYS, parses the headers that nearly every file includes once for the target, or takes what OTHER
+# parsed (its compile flags must be the same). Off by default, so that the ordinary build shows an
+# include that is missing.
 option(KINEMESH_PRECOMPILE "Precompile the common headers (for the sanitizer build)" OFF)
 
 function(kinemesh_precompile TARGET)
-  cmake_parse_arguments(ARG "" "FROM" "HEADERS" ${ARGN})
-  if(NOT KINEMESH_PRECOMPILE)
+  cmake_parse_arguments(ARG "ALWAYS" "FROM" "HEADERS" ${ARGN})
+  if(NOT KINEMESH_PRECOMPILE AND NOT ARG_ALWAYS)
     return()
   endif()
   if(ARG_FROM)
