@@ -6,6 +6,7 @@
 #include "config/error.h"
 #include "config/text.h"
 #include "reconstruct/named_constraints.h"
+#include "reconstruct/reference_frame.h"
 #include "reconstruct/topology_reuse.h"
 
 namespace kinemesh {
@@ -52,6 +53,12 @@ void stabilise(Working& working, const ConvertOptions& options, ConvertResult& r
   result.head_error_mm = steady.rms_error_mm;
   std::ranges::move(steady.warnings, std::back_inserter(result.warnings));
   working.take = std::move(steady.take);
+}
+
+/// A name or number that the take does not have is said before the work is done, not after it.
+void refuse_unknown(const MarkerSequence& take, const TriangulateOptions& options) {
+  named_constraints(take, options.edges, options.no_edges);
+  if (options.frame != -1) frame_numbered(take, options.frame);
 }
 
 /// Fills all gaps and keeps the record of those that concern vertices.
@@ -118,6 +125,7 @@ ConvertResult convert_session(const MarkerSequence& session, const ConvertOption
       select_markers(session, options.selection, ctx.part(0.0, 0.02, "choosing markers"));
   result.warnings = result.selection.warnings;
   Working working = working_set(session, result.selection);
+  refuse_unknown(working.take, options.triangulate);
   if (previous) order_like(*previous, working);
   if (options.stabilise) {
     stabilise(working, options, result, ctx.part(0.02, 0.15, "removing head motion"));

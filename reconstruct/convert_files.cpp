@@ -179,7 +179,8 @@ ConvertFilesResult convert_files(const FormatRegistry& formats, const ConvertJob
   // A wrong name or format is said before the work is done, not after it.
   output_format(formats, job.output, options.writing, result.session.frame_count());
   std::optional<Mesh> previous;
-  if (!job.previous.empty()) previous = read_mesh(formats, job.previous, options.reading.c3d.unstated, ctx);
+  if (!job.previous.empty())
+    previous = read_mesh(formats, job.previous, options.reading.c3d.unstated, ctx);
   result.conversion =
       convert_session(result.session, options.convert, previous, ctx.part(0.1, 0.7, "converting"));
   pass_on(std::move(findings), result.conversion.warnings);

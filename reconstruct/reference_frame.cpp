@@ -15,6 +15,8 @@ std::size_t count_measured(const MarkerSequence& take, std::size_t frame) {
   return count;
 }
 
+}  // namespace
+
 std::size_t frame_numbered(const MarkerSequence& take, int64_t wanted) {
   const int64_t last = take.first_frame + static_cast<int64_t>(take.frame_count()) - 1;
   if (wanted < take.first_frame || wanted > last) {
@@ -25,8 +27,6 @@ std::size_t frame_numbered(const MarkerSequence& take, int64_t wanted) {
   }
   return static_cast<std::size_t>(wanted - take.first_frame);
 }
-
-}  // namespace
 
 ReferenceFrame choose_reference_frame(const MarkerSequence& take, int64_t wanted) {
   if (take.frame_count() == 0) {

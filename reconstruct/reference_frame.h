@@ -21,4 +21,7 @@ struct ReferenceFrame {
 /// take without frames.
 ReferenceFrame choose_reference_frame(const MarkerSequence& take, int64_t wanted);
 
+/// Index of the frame numbered `wanted` as in the file. Throws UsageError when there is none.
+std::size_t frame_numbered(const MarkerSequence& take, int64_t wanted);
+
 }  // namespace kinemesh

@@ -34,6 +34,7 @@ fs::path study_in(const TemporaryFolder& folder) {
   write_file(folder.path() / "broken.c3d", "this is no session");
   write_file(folder.path() / "study.toml",
              "output = \"out\"\n[options.pictures]\npictures = false\nreport = false\n"
+             "[options.gaps]\nfill = \"linear\"\nmax-gap = 60\n"
              "[[session]]\nsession = \"anna_surprise.c3d\"\ntopology = \"anna_happy.ply\"\n"
              "[[session]]\nsession = \"broken.c3d\"\n"
              "[[session]]\nsession = \"missing.c3d\"\n"

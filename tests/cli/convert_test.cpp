@@ -56,6 +56,15 @@ std::size_t ring(const Json& summary, const std::string& name) {
   return 0;
 }
 
+/// For tests that are not about filling: the default takes most of the time of a conversion.
+const std::vector<std::string> quick{"--no-pictures", "--no-report", "--fill",
+                                     "linear",        "--max-gap",   "60"};
+
+std::vector<std::string> with_quick(std::vector<std::string> more) {
+  more.insert(more.end(), quick.begin(), quick.end());
+  return more;
+}
+
 class Samples : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(Samples, ConvertWithNoOption) {
@@ -103,18 +112,17 @@ TEST(Convert, RealTakesGiveSoundMeshes) {
 
 TEST(Convert, ATopologyIsUsedAgainByMarkerName) {
   const TemporaryFolder folder;
-  const Converted happy = convert(test::sample_folder() / "anna_happy.c3d",
-                                  folder.path() / "happy.ply", {"--no-pictures", "--no-report"});
+  const Converted happy =
+      convert(test::sample_folder() / "anna_happy.c3d", folder.path() / "happy.ply", quick);
   const Converted surprise =
       convert(test::sample_folder() / "anna_surprise.c3d", folder.path() / "surprise.ply",
-              {"--no-pictures", "--no-report", "--topology", folder.path() / "happy.ply"});
+              with_quick({"--topology", folder.path() / "happy.ply"}));
   EXPECT_EQ(surprise.mesh.topology(), happy.mesh.topology());
   EXPECT_EQ(surprise.mesh.vertex_names, happy.mesh.vertex_names);
   // One marker fewer: the rest keeps its edges, and the missing one is said.
   const Converted fewer =
       convert(test::sample_folder() / "anna_surprise.c3d", folder.path() / "fewer.ply",
-              {"--no-pictures", "--no-report", "--topology", folder.path() / "happy.ply",
-               "--exclude", "CNOS03"});
+              with_quick({"--topology", folder.path() / "happy.ply", "--exclude", "CNOS03"}));
   EXPECT_EQ(fewer.mesh.vertex_count(), happy.mesh.vertex_count() - 1);
   EXPECT_TRUE(fewer.mesh.topology().is_manifold());
   EXPECT_NE(fewer.summary["doubtful"].dump().find("CNOS03"), std::string::npos);
@@ -145,8 +153,8 @@ TEST(Convert, FilledSamplesAreMarkedInTheMesh) {
 
 TEST(Convert, TheFilledSamplesOfPlyAndPc2AreMarkedToo) {
   const TemporaryFolder folder;
-  const Converted sample = convert(test::sample_folder() / "ben_happy.c3d",
-                                   folder.path() / "ben.ply", {"--no-pictures", "--no-report"});
+  const Converted sample =
+      convert(test::sample_folder() / "ben_happy.c3d", folder.path() / "ben.ply", quick);
   std::size_t marked = 0;
   for (const uint8_t filled : sample.mesh.filled()) marked += filled;
   EXPECT_EQ(marked, sample.summary["quality"]["filled_samples"].get<std::size_t>());
