@@ -1,6 +1,7 @@
 #include "capture/gap_fill.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numeric>
 
@@ -100,7 +101,11 @@ GapFillResult fill_gaps(const MarkerSequence& take, const GapFillOptions& option
   result.take.add_uncertainty();
 
   std::vector<fill::Filled> filled(gaps.size());
-  parallel_for(ctx, gaps.size(), 1, [&](std::size_t i) { filled[i] = filler.fill(gaps[i]); });
+  std::atomic<std::size_t> done{0};
+  parallel_for(ctx, gaps.size(), 1, [&](std::size_t i) {
+    filled[i] = filler.fill(gaps[i]);
+    ctx.progress(static_cast<double>(++done) / static_cast<double>(gaps.size()));
+  });
   for (std::size_t i = 0; i < gaps.size(); ++i) {
     if (!filled[i].estimate) continue;
     const Estimate& estimate = *filled[i].estimate;

@@ -110,6 +110,7 @@ class Writer {
     const Canvas gaps = draw_gap_chart(chart);
     add("_gaps.png", encode_png(gaps.raster(png_scale(gaps))));
     ctx.check_cancelled();
+    ctx.progress(1.0);
   }
 
   void add_report(const RunContext& ctx) {
@@ -120,6 +121,7 @@ class Writer {
     result_.report_error_mm = report.max_error_mm;
     files_.add(beside(stem_, "_report.html"), report.html);
     ctx.check_cancelled();
+    ctx.progress(1.0);
   }
 
   const ConvertJob& job_;
