@@ -7,6 +7,7 @@ std::vector<CommandSpec> all_commands() {
   // clang-format off
   return {
       convert_command(),
+      animate_command(),
       batch_command(),
       info_command(),
       formats_command(),
@@ -23,6 +24,7 @@ std::vector<CommandSpec> all_commands() {
       deformation_command(),
       features_command(),
       evaluate_features_command(),
+      retarget_command(),
       hash_command(),
   };
   // clang-format on

@@ -5,6 +5,7 @@
 
 namespace kinemesh::cli {
 
+CommandSpec animate_command();
 CommandSpec batch_command();
 CommandSpec c3d_check_command();
 CommandSpec c3d_diff_command();
@@ -22,6 +23,7 @@ CommandSpec formats_command();
 CommandSpec hash_command();
 CommandSpec info_command();
 CommandSpec match_command();
+CommandSpec retarget_command();
 CommandSpec solve_matching_command();
 
 }  // namespace kinemesh::cli

@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "mesh/closest_point.h"
 #include "mesh/topology.h"
 
 namespace kinemesh::test {
@@ -34,8 +35,6 @@ class ClosestPoint {
   std::unordered_map<uint64_t, std::vector<FaceIndex>> grid_;
 };
 
-/// Barycentric weights of the point of triangle abc that is closest to p (Ericson 2005, 5.1.5).
-Eigen::Vector3d closest_weights(const Eigen::Vector3d& p, const Eigen::Vector3d& a,
-                                const Eigen::Vector3d& b, const Eigen::Vector3d& c);
+using kinemesh::closest_weights;
 
 }  // namespace kinemesh::test
