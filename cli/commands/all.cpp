@@ -19,6 +19,7 @@ std::vector<CommandSpec> all_commands() {
       c3d_process_command(),
       c3d_evaluate_fill_command(),
       geodesics_command(),
+      align_command(),
       match_command(),
       solve_matching_command(),
       deformation_command(),

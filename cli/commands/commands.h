@@ -6,6 +6,7 @@
 namespace kinemesh::cli {
 
 CommandSpec animate_command();
+CommandSpec align_command();
 CommandSpec batch_command();
 CommandSpec c3d_check_command();
 CommandSpec c3d_diff_command();
