@@ -63,7 +63,7 @@ void speed() {
   CleanResult best;
   double least = 1e9;
   double stage_sum = 0.0;
-  constexpr int repetitions = 7;
+  constexpr int repetitions = 5;
   for (int i = 0; i < repetitions; ++i) {
     const auto start = Clock::now();
     CleanResult result = clean_take(take.measured);

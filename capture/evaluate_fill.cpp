@@ -202,7 +202,7 @@ EvaluateFillResult evaluate_fill(const MarkerSequence& take, const EvaluateFillO
                                  " measured for longer than a gap of " +
                                  format_number(options.gap_s) + " s",
                          .file = take.origin.path,
-                         .remedy = "give fewer markers with --markers or a shorter --gap"});
+                         .remedy = "Give fewer markers with --markers or a shorter --gap"});
   }
   const auto trials = static_cast<std::size_t>(options.trials);
   for (std::size_t k = 0; k < options.methods.size(); ++k) {

@@ -7,6 +7,7 @@
 
 #include "capture/fill/filler.h"
 #include "config/parallel.h"
+#include "config/text.h"
 
 namespace kinemesh {
 namespace {
@@ -30,6 +31,21 @@ void write(const GapAt& gap, const Estimate& estimate, MarkerSequence& take) {
 void warn(GapFillResult& result, const RunContext& ctx, std::string text) {
   ctx.warn(text);
   result.warnings.push_back(std::move(text));
+}
+
+/// Where nothing was measured, nothing can be filled; what was measured once is filled from afar.
+void warn_of_lost(const MarkerSequence& take, GapFillResult& result, const RunContext& ctx) {
+  constexpr std::size_t most = 8;  // names in the message
+  std::vector<std::string> labels;
+  for (const std::size_t m : result.never_valid) {
+    labels.push_back(labels.size() == most ? "…" : take.markers()[m].label);
+    if (labels.size() > most) break;
+  }
+  if (labels.empty()) return;
+  warn(result, ctx,
+       count_of(result.never_valid.size(), "marker was", "markers were") +
+           " not measured in any frame and cannot be filled (" + join(labels, ", ") +
+           "): there will be nothing in their place. If the region matters, repeat the take.");
 }
 
 }  // namespace
@@ -93,10 +109,7 @@ GapFillResult fill_gaps(const MarkerSequence& take, const GapFillOptions& option
     }
     for (const FrameRange frames : trajectories.gaps(m)) gaps.push_back({m, frames});
   }
-  for (const std::size_t m : result.never_valid) {
-    warn(result, ctx,
-         "Marker " + take.markers()[m].label + " is invalid in every frame and cannot be filled.");
-  }
+  warn_of_lost(take, result, ctx);
   if (gaps.empty()) return result;
   result.take.add_uncertainty();
 

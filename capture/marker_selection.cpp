@@ -126,7 +126,7 @@ void warn_of_idle_patterns(const MarkerSequence& take, const MarkerSelectionOpti
                    : "None of the take's " + count_of(take.marker_count(), "marker") +
                          " is chosen (" + join(reasons, "; ") + ")",
        .file = take.origin.path,
-       .remedy = "see the markers with \"kinemesh c3d info\" and choose with --subject, --include, "
+       .remedy = "See the markers with \"kinemesh c3d info\" and choose with --subject, --include, "
                  "--exclude, --kind and --head-rig"});
 }
 

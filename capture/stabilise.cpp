@@ -92,7 +92,7 @@ std::size_t choose_reference(const std::vector<Observed>& frames, const MarkerSe
           {.what = "The reference frame lies outside the take",
            .file = take.origin.path,
            .frame = wanted,
-           .remedy = "give a frame from " + std::to_string(take.first_frame) + " to " +
+           .remedy = "Give a frame from " + std::to_string(take.first_frame) + " to " +
                      std::to_string(take.first_frame + static_cast<int64_t>(frames.size()) - 1)});
     }
     return static_cast<std::size_t>(index);
@@ -182,7 +182,7 @@ void move_to_head(const std::vector<HeadPose>& poses, MarkerSequence& take) {
 [[noreturn]] void no_rigid_markers(const MarkerSequence& take, const std::string& what) {
   throw NoResultError({.what = what,
                        .file = take.origin.path,
-                       .remedy = "name at least three markers that are fixed to the head with "
+                       .remedy = "Name at least three markers that are fixed to the head with "
                                  "--rigid, or keep the head's motion"});
 }
 
@@ -310,14 +310,18 @@ StabiliseResult stabilise_head(const MarkerSequence& take, const StabiliseOption
     const std::vector<std::size_t> rigid = named(take, options.rigid);
     if (rigid.empty()) {
       throw UsageError({.what = "--rigid " + join(options.rigid, " ") + " matches no marker",
-                        .remedy = "see the labels with \"kinemesh c3d info\""});
+                        .remedy = "See the labels with \"kinemesh c3d info\""});
     }
     return stabilise_head(take, rigid, options, ctx);
   }
   const std::vector<std::size_t> rig = named(take, options.rig_names);
   if (rig.size() >= 3) return stabilise_head(take, rig, options, ctx);
   const RigidMarkersResult found = find_rigid_markers(take, ctx);
-  if (found.markers.size() < 3) no_rigid_markers(take, "No markers move as one rigid body");
+  if (found.markers.size() < 3) {
+    no_rigid_markers(take, take.frame_count() < 2
+                               ? "One frame does not show which markers move as one rigid body"
+                               : "No markers move as one rigid body");
+  }
   StabiliseResult result = stabilise_head(take, found.markers, options, ctx);
   result.chosen_from_motion = true;
   std::vector<std::string> labels;

@@ -49,8 +49,8 @@ std::size_t Filler::marker_named(const std::vector<Marker>& markers, const std::
   const std::string near = nearest_word(label, labels);
   throw UsageError(
       {.what = "--" + std::string(parameter) + " names no marker of the take: \"" + label + "\"",
-       .remedy = near.empty() ? "see the labels with \"kinemesh c3d info\""
-                              : "did you mean \"" + near + "\"?"});
+       .remedy = near.empty() ? "See the labels with \"kinemesh c3d info\""
+                              : "Did you mean \"" + near + "\"?"});
 }
 
 std::optional<Estimate> Filler::by_method(const GapAt& gap) const {
