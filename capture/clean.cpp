@@ -118,10 +118,20 @@ class Cleaner {
     const auto start = Clock::now();
     RepairResult repaired =
         repair_take(result_.take, options_.repairs, ctx_.part(0.3, 0.4, "repair"));
+    for (const Jump& jump : repaired.jumps) warn_of(jump);
     result_.take = std::move(repaired.take);
     std::ranges::move(repaired.done, std::back_inserter(result_.done));
     std::ranges::move(repaired.edits.steps, std::back_inserter(result_.edits.steps));
     took("repair", start);
+  }
+
+  void warn_of(const Jump& jump) const {
+    const MarkerSequence& take = result_.take;
+    ctx_.warn(take.markers()[jump.marker].label + " jumps by " + format_fixed(jump.size_mm, 1) +
+              " mm in frame " +
+              std::to_string(take.first_frame + static_cast<int64_t>(jump.frame)) +
+              " and stays there: its label is wrong before or after. Mend it with a swap, move or "
+              "delete step in the list of edits.");
   }
 
   [[noreturn]] void refuse_without_labels() const {

@@ -210,6 +210,8 @@ class Judge {
 
   void mendable() {
     say(!r_.swaps.empty(), count_of(r_.swaps.size(), "label swap"));
+    say(!r_.jumps.empty(),
+        count_of(r_.jumps.size(), "jump") + " to another place, to be mended by hand");
     say(!r_.spikes.empty(), count_of(r_.spikes.size(), "spike"));
     say(r_.twins > 0, count_of(r_.twins, "label") + " used twice");
     say(r_.lost_markers > 0, count_of(r_.lost_markers, "marker") + " hardly seen" + lost_names());
@@ -294,6 +296,7 @@ QualityResult assess_take(const MarkerSequence& take, const QualityOptions& opti
     const RepairResult repaired = repair_take(take, {}, ctx.part(0.2, 0.7, "looking for faults"));
     result.swaps = repaired.swaps;
     result.spikes = repaired.spikes;
+    result.jumps = repaired.jumps;
     for (const Spike& s : result.spikes) {
       const auto at = std::ranges::find(columns, s.marker) - columns.begin();
       ++result.per_marker[static_cast<std::size_t>(at)].spikes;

@@ -66,6 +66,7 @@ struct QualityResult {
   double residual_mm = 0.0;      ///< median over samples; NaN when the file has none
   std::vector<LabelSwap> swaps;
   std::vector<Spike> spikes;
+  std::vector<Jump> jumps;
   std::size_t dropped_frames = 0;  ///< without any marker between others, or repeated
   HeadMotion head;
   std::vector<MarkerQuality> per_marker;

@@ -112,8 +112,15 @@ std::string quality_text(const QualityResult& r) {
     row("", r.labels[s.a] + " and " + r.labels[s.b] + " from frame " +
                 std::to_string(r.first_frame + static_cast<int64_t>(s.from)));
   }
-  row("spikes", std::to_string(r.spikes.size()));
   constexpr std::size_t most = 10;
+  row("jumps", std::to_string(r.jumps.size()));
+  for (std::size_t i = 0; i < std::min(most, r.jumps.size()); ++i) {
+    row("", r.labels[r.jumps[i].marker] + " in frame " +
+                std::to_string(r.first_frame + static_cast<int64_t>(r.jumps[i].frame)) + ", " +
+                format_fixed(r.jumps[i].size_mm, 1) + " mm, and stays there");
+  }
+  if (r.jumps.size() > most) row("", "… and " + std::to_string(r.jumps.size() - most) + " more");
+  row("spikes", std::to_string(r.spikes.size()));
   for (std::size_t i = 0; i < std::min(most, r.spikes.size()); ++i) {
     const Spike& s = r.spikes[i];
     row("", r.labels[s.marker] + " in frame " +
@@ -149,6 +156,7 @@ std::string quality_json(const QualityResult& r, const std::string& file) {
                {"residual_mm", or_null(r.residual_mm)},
                {"dropped_frames", r.dropped_frames},
                {"swaps", Json::array()},
+               {"jumps", Json::array()},
                {"spikes", Json::array()},
                {"head", nullptr},
                {"per_marker", Json::array()}};
@@ -158,6 +166,10 @@ std::string quality_json(const QualityResult& r, const std::string& file) {
                              {"from_frame", frame(s.from)},
                              {"error_mm", s.error_mm},
                              {"mended_mm", s.mended_mm}});
+  }
+  for (const Jump& j : r.jumps) {
+    json["jumps"].push_back(
+        {{"marker", r.labels[j.marker]}, {"frame", frame(j.frame)}, {"size_mm", j.size_mm}});
   }
   for (const Spike& s : r.spikes) {
     json["spikes"].push_back({{"marker", r.labels[s.marker]},

@@ -69,7 +69,8 @@ RepairResult repair_take(const MarkerSequence& take, const RepairOptions& option
   RepairResult result;
   result.take = take;
   if (options.swaps) {
-    result.swaps = find_label_swaps(take, ctx.part(0.0, 0.6, "looking for label swaps"));
+    result.swaps =
+        find_label_swaps(take, ctx.part(0.0, 0.6, "looking for label swaps"), &result.jumps);
     for (const LabelSwap& swap : result.swaps) apply(swap, result);
   }
   if (options.spikes) {

@@ -41,10 +41,19 @@ struct LabelSwap {
   double mended_mm = 0.0;    ///< the same after the exchange
 };
 
+/// A marker goes elsewhere within one frame and stays there, and no other one took its place: its
+/// label is wrong before or after. Which one, a person must say.
+struct Jump {
+  std::size_t marker = 0;  ///< index into markers()
+  std::size_t frame = 0;   ///< 0-based: the first one elsewhere
+  double size_mm = 0.0;    ///< off from where its neighbours say
+};
+
 struct RepairResult {
   MarkerSequence take;  ///< spikes invalid, labels right
   std::vector<Spike> spikes;
   std::vector<LabelSwap> swaps;
+  std::vector<Jump> jumps;        ///< left as they are
   EditList edits;                 ///< the same as steps: swap and delete, in the order applied
   std::vector<std::string> done;  ///< one sentence each, with frame numbers as in the file
 };
@@ -52,7 +61,8 @@ struct RepairResult {
 /// Spikes: up to `spike_length_s` in which every sample is farther than spike_mm, spike_ratio × the
 /// marker's own robust standard deviation (1.4826 × median) of the acceleration (as the distance
 /// from the mean of the samples beside it) and as many × that of its surroundings from the cubic
-/// through the samples around, while these fit each other without the spike.
+/// through the samples around, while these fit each other without the spike and the path goes on
+/// where it was.
 /// Swaps: a marker jumps, or comes back from a gap, farther from where its neighbours say it should
 /// be than 0.35 × the distance to the nearest marker and 3 × what is usual for it from one frame to
 /// the next, to where another one should be, and that other one likewise to its place.
@@ -62,6 +72,8 @@ RepairResult repair_take(const MarkerSequence& take, const RepairOptions& option
 
 std::vector<Spike> find_spikes(const MarkerSequence& take, const RepairOptions& options = {},
                                const RunContext& ctx = {});
-std::vector<LabelSwap> find_label_swaps(const MarkerSequence& take, const RunContext& ctx = {});
+/// `jumps`: those that no swap explains are added there.
+std::vector<LabelSwap> find_label_swaps(const MarkerSequence& take, const RunContext& ctx = {},
+                                        std::vector<Jump>* jumps = nullptr);
 
 }  // namespace kinemesh

@@ -87,7 +87,11 @@ double spike_at(const Path& path, std::ptrdiff_t f, std::ptrdiff_t length, doubl
   const double before = (path[f - 1] - through(path, {f - 3, f - 2, end, end + 1}, f - 1)).norm();
   const double after = (path[end] - through(path, {f - 2, f - 1, end + 1, end + 2}, end)).norm();
   constexpr double smooth = 0.35;
-  return std::max(before, after) < smooth * most ? most : 0.0;
+  if (std::max(before, after) >= smooth * most) return 0.0;
+  // And go on where it was: a marker that stays elsewhere is no spike.
+  const Eigen::Vector3d pace = 0.5 * (path[f - 1] - path[f - 2] + path[end + 1] - path[end]) *
+                               static_cast<double>(length + 1);
+  return (path[end] - path[f - 1] - pace).norm() < most ? most : 0.0;
 }
 
 std::vector<Spike> spikes_of(const Path& path, std::size_t marker, double rate_hz,

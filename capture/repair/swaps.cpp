@@ -28,6 +28,8 @@ class SwapFinder {
         if (const auto swap = explain(a, f)) {
           motion_.swap(swap->a, swap->b, f);
           found.push_back(*swap);
+        } else if (stays_away(a, f)) {
+          jumps_.push_back({a, f, away(a, a, f, none)});
         }
       }
       for (std::size_t m = 0; m < motion_.markers(); ++m) {
@@ -36,8 +38,30 @@ class SwapFinder {
     }
     return found;
   }
+  const std::vector<Jump>& jumps() const { return jumps_; }
 
  private:
+  /// One step alone is far larger than those before and after it, and the marker does not come back
+  /// within a while.
+  bool stays_away(std::size_t a, std::size_t f) const {
+    constexpr double alone = 4.0;
+    constexpr std::size_t while_frames = 5;
+    const std::size_t g = last_seen_[a];
+    if (g + 1 != f || g < 2 || f + while_frames >= motion_.frames()) return false;
+    const double size = away(a, a, f, none);
+    for (const std::size_t k : {g - 1, g, f + 1, f + 2}) {
+      if (!motion_.has(k, a) || !motion_.has(k - 1, a)) return false;
+      const Eigen::Vector3d common =
+          motion_.displacement(a, k - 1, k).value_or(Eigen::Vector3d::Zero());
+      const Eigen::Vector3d step = motion_.at(k, a) - motion_.at(k - 1, a);
+      if (alone * (step - common).norm() > size) return false;
+    }
+    for (std::size_t k = f + 1; k <= f + while_frames; ++k) {
+      if (motion_.has(k, a) && away(a, a, k, none) < 0.5 * size) return false;
+    }
+    return true;
+  }
+
   /// A first look: is the marker away from where its neighbours would have carried it?
   bool jumped(std::size_t a, std::size_t f) const {
     const std::size_t g = last_seen_[a];
@@ -145,12 +169,14 @@ class SwapFinder {
   LocalMotion motion_;
   std::vector<std::size_t> last_seen_;  ///< before the frame looked at
   std::vector<double> least_jump_;      ///< by marker, mm
+  std::vector<Jump> jumps_;
   std::size_t wait_ = 0;
 };
 
 }  // namespace
 
-std::vector<LabelSwap> find_label_swaps(const MarkerSequence& take, const RunContext& ctx) {
+std::vector<LabelSwap> find_label_swaps(const MarkerSequence& take, const RunContext& ctx,
+                                        std::vector<Jump>* jumps) {
   std::vector<std::size_t> columns;
   for (std::size_t m = 0; m < take.marker_count(); ++m) {
     if (take.markers()[m].kind == MarkerKind::marker) columns.push_back(m);
@@ -161,6 +187,11 @@ std::vector<LabelSwap> find_label_swaps(const MarkerSequence& take, const RunCon
   for (LabelSwap& s : swaps) {
     s.a = columns[s.a];
     s.b = columns[s.b];
+  }
+  for (Jump jump : finder.jumps()) {
+    if (jumps == nullptr) break;
+    jump.marker = columns[jump.marker];
+    jumps->push_back(jump);
   }
   return swaps;
 }

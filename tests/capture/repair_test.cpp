@@ -144,6 +144,22 @@ TEST(Repair, TakesOutSpikesAndNothingElse) {
   EXPECT_TRUE(mended.take.valid(101, 3));
 }
 
+TEST(Repair, AStepIsNoSpikeButAJump) {
+  MarkerSequence take = sample("anna_surprise");
+  const std::size_t marker = 40;
+  for (std::size_t f = 200; f < take.frame_count(); ++f) {
+    take.position(f, marker) += Eigen::Vector3f(25.0F, -40.0F, 30.0F);
+  }
+  const RepairResult found = repair_take(take);
+  EXPECT_TRUE(found.spikes.empty());
+  EXPECT_TRUE(found.swaps.empty());
+  ASSERT_EQ(found.jumps.size(), 1U);
+  EXPECT_EQ(found.jumps[0].marker, marker);
+  EXPECT_EQ(found.jumps[0].frame, 200U);
+  EXPECT_NEAR(found.jumps[0].size_mm, std::sqrt(25.0 * 25 + 40.0 * 40 + 30.0 * 30), 2.0);
+  EXPECT_TRUE(repair_take(sample("anna_surprise")).jumps.empty());
+}
+
 TEST(Repair, RealMotionIsNoSpike) {
   KINEMESH_NEED_DATA("c3d_face/AnimFace-Jaw.c3d");
   for (const char* name : {"AnimFace-Jaw", "AnimFace-Eyebrows"}) {
