@@ -135,12 +135,20 @@ class Cleaner {
   }
 
   [[noreturn]] void refuse_without_labels() const {
-    const bool loose = has_loose_points(result_.take);
+    const std::string& file = result_.take.origin.path;
+    if (has_loose_points(result_.take)) {
+      throw NoResultError(
+          {.what = "all points of the take are unlabelled",
+           .file = file,
+           .remedy = "Give a labelled take of the same subject with --template"});
+    }
+    if (result_.take.marker_count() == 0) {
+      throw NoResultError({.what = "the take has no markers to be cleaned",
+                           .file = file,
+                           .remedy = "Apply editing steps alone with --edits"});
+    }
     throw NoResultError(
-        {.what = loose ? "all points of the take are unlabelled" : "the take has no valid marker",
-         .file = result_.take.origin.path,
-         .remedy = loose ? "Give a labelled take of the same subject with --template"
-                         : "Record it again"});
+        {.what = "the take has no valid marker", .file = file, .remedy = "Record it again"});
   }
 
   const CleanOptions& options_;

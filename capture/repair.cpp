@@ -1,5 +1,7 @@
 #include "capture/repair.h"
 
+#include <algorithm>
+
 #include "capture/edit/operation.h"
 #include "capture/formats/table_text.h"
 #include "config/text.h"
@@ -76,6 +78,12 @@ RepairResult repair_take(const MarkerSequence& take, const RepairOptions& option
   if (options.spikes) {
     result.spikes = find_spikes(result.take, options, ctx.part(0.6, 1.0, "looking for spikes"));
     for (const Spike& spike : result.spikes) apply(spike, result);
+    std::erase_if(result.jumps, [&](const Jump& jump) {  // it came back
+      return std::ranges::any_of(result.spikes, [&](const Spike& s) {
+        return s.marker == jump.marker && s.frames.begin <= jump.frame &&
+               jump.frame <= s.frames.end;
+      });
+    });
   }
   return result;
 }
