@@ -137,10 +137,9 @@ class Cleaner {
   [[noreturn]] void refuse_without_labels() const {
     const std::string& file = result_.take.origin.path;
     if (has_loose_points(result_.take)) {
-      throw NoResultError(
-          {.what = "all points of the take are unlabelled",
-           .file = file,
-           .remedy = "Give a labelled take of the same subject with --template"});
+      throw NoResultError({.what = "all points of the take are unlabelled",
+                           .file = file,
+                           .remedy = "Give a labelled take of the same subject with --template"});
     }
     if (result_.take.marker_count() == 0) {
       throw NoResultError({.what = "the take has no markers to be cleaned",
