@@ -1,26 +1,15 @@
 #include "analysis/motion_curves.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <numeric>
+
+#include "mesh/surface_measures.h"
 
 namespace kinemesh {
 namespace {
 
 constexpr std::array quantiles{0.50, 0.75, 0.90, 0.95, 0.99};
-
-/// A third of each triangle's area in the rest pose, per vertex.
-std::vector<double> vertex_areas(const Topology& topology,
-                                 const std::vector<Eigen::Vector3d>& rest) {
-  std::vector<double> areas(rest.size(), 0.0);
-  for (const auto& face : topology.faces()) {
-    const Eigen::Vector3d& a = rest[face[0]];
-    const double area = 0.5 * (rest[face[1]] - a).cross(rest[face[2]] - a).norm();
-    for (const VertexIndex v : face) areas[v] += area / 3.0;
-  }
-  return areas;
-}
 
 }  // namespace
 

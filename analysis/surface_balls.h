@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "config/run_context.h"
+#include "mesh/surface_measures.h"
 #include "mesh/topology.h"
 
 namespace kinemesh {
@@ -26,16 +27,4 @@ struct VertexLists {
 /// edge always belong.
 VertexLists surface_balls(const Topology& topology, std::span<const Eigen::Vector3d> positions,
                           double radius_mm, const RunContext& ctx = {});
-
-/// A third of the area of the faces around each vertex, mm².
-std::vector<double> vertex_areas(const Topology& topology,
-                                 std::span<const Eigen::Vector3d> positions);
-/// Area-weighted unit normals; zero where the faces around a vertex have no area.
-std::vector<Eigen::Vector3d> vertex_normals(const Topology& topology,
-                                            std::span<const Eigen::Vector3d> positions);
-/// Mean length of the edges, mm; 0 without edges.
-double mean_edge_length(const Topology& topology, std::span<const Eigen::Vector3d> positions);
-/// Diagonal of the bounding box of the vertices that have faces, mm.
-double bounding_diagonal(const Topology& topology, std::span<const Eigen::Vector3d> positions);
-
 }  // namespace kinemesh

@@ -36,19 +36,4 @@ SurfaceOperators surface_operators(const Topology& topology,
   return result;
 }
 
-std::vector<Eigen::Vector3d> vertex_normals(const Topology& topology,
-                                            std::span<const Eigen::Vector3d> positions) {
-  std::vector<Eigen::Vector3d> normals(topology.vertex_count(), Eigen::Vector3d::Zero());
-  for (const Triangle& t : topology.faces()) {
-    const Eigen::Vector3d normal =
-        (positions[t[1]] - positions[t[0]]).cross(positions[t[2]] - positions[t[0]]);
-    for (const VertexIndex v : t) normals[v] += normal;
-  }
-  for (Eigen::Vector3d& n : normals) {
-    const double length = n.norm();
-    if (length > 0.0) n /= length;
-  }
-  return normals;
-}
-
 }  // namespace kinemesh

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "mesh/surface_measures.h"
 #include "mesh/topology.h"
 
 namespace kinemesh {
@@ -22,9 +23,5 @@ struct SurfaceOperators {
 /// Throws InputError for positions that are not finite.
 SurfaceOperators surface_operators(const Topology& topology,
                                    std::span<const Eigen::Vector3d> positions);
-
-/// Unit normals of the vertices, weighed by area; zero where there is none.
-std::vector<Eigen::Vector3d> vertex_normals(const Topology& topology,
-                                            std::span<const Eigen::Vector3d> positions);
 
 }  // namespace kinemesh
