@@ -205,6 +205,17 @@ void summarise(StabiliseResult& result, const RunContext& ctx) {
   }
 }
 
+/// True when half of the frames at least show three of these markers.
+bool is_seen(const MarkerSequence& take, const std::vector<std::size_t>& markers) {
+  std::size_t frames = 0;
+  for (std::size_t f = 0; f < take.frame_count(); ++f) {
+    const auto seen =
+        std::ranges::count_if(markers, [&](std::size_t m) { return measured(take, f, m); });
+    frames += seen >= 3 ? 1 : 0;
+  }
+  return frames > 0 && 2 * frames >= take.frame_count();
+}
+
 /// Rigid markers by pattern; empty when none matches.
 std::vector<std::size_t> named(const MarkerSequence& take,
                                const std::vector<std::string>& patterns) {
@@ -315,7 +326,7 @@ StabiliseResult stabilise_head(const MarkerSequence& take, const StabiliseOption
     return stabilise_head(take, rigid, options, ctx);
   }
   const std::vector<std::size_t> rig = named(take, options.rig_names);
-  if (rig.size() >= 3) return stabilise_head(take, rig, options, ctx);
+  if (is_seen(take, rig)) return stabilise_head(take, rig, options, ctx);
   const RigidMarkersResult found = find_rigid_markers(take, ctx);
   if (found.markers.size() < 3) {
     no_rigid_markers(take, take.frame_count() < 2
@@ -326,8 +337,10 @@ StabiliseResult stabilise_head(const MarkerSequence& take, const StabiliseOption
   result.chosen_from_motion = true;
   std::vector<std::string> labels;
   for (const std::size_t m : found.markers) labels.push_back(take.markers()[m].label);
-  result.warnings.push_back("No marker has a head rig's name; taken as rigid from their motion: " +
-                            join(labels, ", ", " and ") + ".");
+  result.warnings.push_back(
+      std::string(rig.empty() ? "No marker has a head rig's name"
+                              : "Most frames show fewer than three of the head rig's markers") +
+      "; taken as rigid from their motion: " + join(labels, ", ", " and ") + ".");
   ctx.warn(result.warnings.back());
   return result;
 }

@@ -46,8 +46,9 @@ HeadPose fit_pose(const RigidShape& shape, std::span<const Eigen::Vector3d> meas
                   const std::vector<bool>& visible);
 
 struct StabiliseOptions {
-  std::vector<std::string> rigid;  ///< wildcards; empty: the head rig by its usual names, or else
-                                   ///< chosen from the motion (rigid_markers.h)
+  std::vector<std::string> rigid;  ///< wildcards; empty: the head rig by its usual names where half
+                                   ///< of the frames show three of it, or else chosen from the
+                                   ///< motion (rigid_markers.h)
   std::vector<std::string> rig_names = usual_head_rig_patterns();  ///< not a parameter of its own
   int reference_frame = 0;  ///< 1-based frame number as in the file; 0: the first with all rigid
                             ///< markers, or with the most

@@ -7,6 +7,7 @@
 
 #include "capture/clean.h"
 #include "capture/session.h"
+#include "capture/stabilise.h"
 #include "config/error.h"
 #include "tests/support/c3d_takes.h"
 #include "tests/support/data.h"
@@ -128,6 +129,20 @@ TEST(Clean, TheWholeChainAndItsListGiveTheSame) {
   const MarkerSequence again = apply_edits(take, list).take;
   EXPECT_TRUE(std::ranges::equal(again.positions(), result.take.positions()));
   EXPECT_TRUE(std::ranges::equal(again.flags(), result.take.flags()));
+}
+
+TEST(Clean, StillSkinStandsInForALostHeadRig) {
+  MarkerSequence take = sample("anna_happy");
+  for (const char* rig : {"LFHD", "RFHD", "LBHD", "RBHD", "HeadTop", "rootNape"}) {
+    const std::size_t m = take.find(rig);
+    ASSERT_NE(m, MarkerSequence::npos) << rig;
+    for (std::size_t f = 0; f < take.frame_count(); ++f) take.flags()[take.sample(f, m)] = 0;
+  }
+  const StabiliseResult steady = stabilise_head(take);
+  EXPECT_TRUE(steady.chosen_from_motion);
+  ASSERT_FALSE(steady.warnings.empty());
+  EXPECT_NE(steady.warnings.back().find("head rig"), std::string::npos) << steady.warnings.back();
+  EXPECT_LT(steady.rms_error_mm, 0.5);
 }
 
 TEST(Clean, BadInput) {
