@@ -283,8 +283,8 @@ PointList mirrored(PointList points) {
 
 [[noreturn]] void refuse_mirrored(double as_is, double as_mirror) {
   throw NoResultError({.what = "the markers are the mirror image of the scan: they fit it within " +
-                               format_fixed(as_mirror, 1) + " mm when mirrored, and only within " +
-                               format_fixed(as_is, 1) + " mm as they are",
+                               format_fixed(as_mirror, 2) + " mm when mirrored, and only within " +
+                               format_fixed(as_is, 2) + " mm as they are",
                        .remedy = "Check the axes with which session and scan were exported: one of "
                                  "them has swapped or negated a single axis"});
 }
@@ -346,11 +346,11 @@ Registration register_markers(const Mesh& scan, const PointList& neutral,
   }
   const Registrar registrar(scan, options.marker_radius_mm);
   const auto found = registrar.best_fit(neutral, ctx.part(0.0, 0.5, "registering"));
-  // Only a fit that is not good can be a mirrored one.
-  if (found.rms > 0.6) {
+  // Faces are nearly symmetric: a mirrored one fits well, but the right one much better.
+  if (found.rms > 0.1) {
     const auto turned =
         registrar.best_fit(mirrored(neutral), ctx.part(0.5, 1.0, "registering mirrored"));
-    if (turned.rms < 0.6 * found.rms) refuse_mirrored(found.rms, turned.rms);
+    if (turned.rms < 0.7 * found.rms) refuse_mirrored(found.rms, turned.rms);
   }
   Registration result;
   result.pose = rigid(found.pose);

@@ -26,6 +26,8 @@ std::vector<CommandSpec> all_commands() {
       features_command(),
       evaluate_features_command(),
       retarget_command(),
+      basis_command(),
+      express_command(),
       hash_command(),
   };
   // clang-format on

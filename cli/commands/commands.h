@@ -5,8 +5,9 @@
 
 namespace kinemesh::cli {
 
-CommandSpec animate_command();
 CommandSpec align_command();
+CommandSpec animate_command();
+CommandSpec basis_command();
 CommandSpec batch_command();
 CommandSpec c3d_check_command();
 CommandSpec c3d_diff_command();
@@ -18,6 +19,7 @@ CommandSpec c3d_quality_command();
 CommandSpec convert_command();
 CommandSpec deformation_command();
 CommandSpec evaluate_features_command();
+CommandSpec express_command();
 CommandSpec features_command();
 CommandSpec geodesics_command();
 CommandSpec formats_command();
