@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "config/multiversion.h"
+#include "reconstruct/animate_scan.h"
 #include "reconstruct/spread_product.h"
 #include "tests/support/ict_expressions.h"
 
@@ -53,6 +54,34 @@ void accuracy(uint64_t identity) {
         near.p95, out.mean, out.p95, driven.noise_mm, driven.operator_seconds);
     std::fflush(stdout);
   }
+}
+
+/// Markers found on the scan of a face that moves its head while it performs.
+void registration(uint64_t identity) {
+  const test::IctModel& model = test::ict_model();
+  const auto points = test::place_ict_markers(model, 9.0, 70 + identity);
+  const test::IctActor actor(model, {.seed = identity},
+                             test::make_ict_motion(model, identity + 1, 2.0));
+  const test::IctTake take = test::record_ict(
+      actor, points,
+      {.rate_hz = 30, .noise_mm = 0.2, .head_degrees = 6, .head_mm = 25, .seed = identity + 1});
+  Mesh scan{model.topology, {}, {}};
+  for (const auto& p : actor.rest()) scan.positions.push_back(p.cast<float>());
+  const Registration found = animate_scan(scan, take.measured).registration;
+  double worst = 0.0, sum = 0.0;
+  for (std::size_t i = 0; i < found.kept.size(); ++i) {
+    const double off = (position_of(found.markers[i].point, *scan.topology, scan.positions) -
+                        position_of(points[found.kept[i]], *scan.topology, scan.positions))
+                           .norm();
+    worst = std::max(worst, off);
+    sum += off;
+  }
+  std::printf(
+      "{\"identity\": %d, \"worst_place_mm\": %.3f, \"mean_place_mm\": %.3f, \"attached\": %zu, "
+      "\"markers\": %zu}\n",
+      static_cast<int>(identity), worst, sum / static_cast<double>(found.kept.size()),
+      found.kept.size(), points.size());
+  std::fflush(stdout);
 }
 
 /// Multiply and add, never fused, in registers: what one thread can do at most.
@@ -108,5 +137,6 @@ void speed() {
 int main(int argc, char** argv) {
   const long identities = argc > 1 ? std::strtol(argv[1], nullptr, 10) : 10;
   kinemesh::speed();
+  for (long i = 0; i < identities; ++i) kinemesh::registration(static_cast<uint64_t>(i));
   for (long i = 0; i < identities; ++i) kinemesh::accuracy(static_cast<uint64_t>(i));
 }
