@@ -1,10 +1,12 @@
 #include "analysis/spherical/closed_surface.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "analysis/spherical/spherical_map.h"
+#include "analysis/surface_balls.h"
 
 namespace kinemesh {
 
@@ -19,7 +21,7 @@ struct Ring {
 class Filler {
  public:
   Filler(std::vector<Triangle>& faces, std::vector<Eigen::Vector3d>& positions,
-         const std::vector<VertexIndex>& loop)
+         const std::vector<VertexIndex>& loop, const std::vector<Eigen::Vector3d>& normals)
       : faces_(faces), positions_(positions) {
     outer_.vertices.assign(loop.rbegin(), loop.rend());  // the filling lies on the other side
     double length = 0.0;
@@ -32,6 +34,16 @@ class Filler {
       outer_.places[k] = length > 0.0 ? outer_.places[k] / length
                                       : static_cast<double>(k) / static_cast<double>(loop.size());
     }
+    // A hole that is closed to a slit, such as a mouth, would get a filling without area: it
+    // becomes a pouch behind the surface instead.
+    Eigen::Vector3d area = Eigen::Vector3d::Zero(), outward = Eigen::Vector3d::Zero();
+    for (std::size_t k = 0; k < loop.size(); ++k) {
+      area += (at(outer_, k) - centre_).cross(at(outer_, k + 1) - centre_) / 2.0;
+      outward += normals[outer_.vertices[k]];
+    }
+    if (!(length > 0.0) || !(outward.norm() > 0.0)) return;
+    const double roundness = 4.0 * std::numbers::pi * area.norm() / (length * length);
+    pouch_ = -outward.normalized() * (0.15 * length * std::max(0.0, 1.0 - roundness));
   }
 
   void fill() {
@@ -49,7 +61,7 @@ class Filler {
       ring = std::move(inner);
     }
     const auto middle = static_cast<VertexIndex>(positions_.size());
-    positions_.push_back(centre_);
+    positions_.push_back(at_radius(0.0, centre_));
     for (std::size_t k = 0; k < ring.vertices.size(); ++k) {
       faces_.push_back({ring.vertices[k], ring.vertices[(k + 1) % ring.vertices.size()], middle});
     }
@@ -69,13 +81,17 @@ class Filler {
     return (1.0 - t) * at(outer_, k) + t * at(outer_, k + 1);
   }
 
+  Eigen::Vector3d at_radius(double radius, const Eigen::Vector3d& rim) const {
+    return centre_ + radius * (rim - centre_) + (1.0 - radius * radius) * pouch_;
+  }
+
   Ring make_ring(double radius, std::size_t count) {
     Ring ring;
     for (std::size_t k = 0; k < count; ++k) {
       const double place = (static_cast<double>(k) + 0.5) / static_cast<double>(count);
       ring.places.push_back(place);
       ring.vertices.push_back(static_cast<VertexIndex>(positions_.size()));
-      positions_.push_back(centre_ + radius * (on_rim(place) - centre_));
+      positions_.push_back(at_radius(radius, on_rim(place)));
     }
     return ring;
   }
@@ -104,7 +120,7 @@ class Filler {
   std::vector<Triangle>& faces_;
   std::vector<Eigen::Vector3d>& positions_;
   Ring outer_;
-  Eigen::Vector3d centre_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d centre_ = Eigen::Vector3d::Zero(), pouch_ = centre_;
 };
 
 }  // namespace
@@ -115,8 +131,9 @@ ClosedSurface close_holes(const Topology& topology, std::span<const Eigen::Vecto
                        .surface_faces = topology.face_count()};
   std::vector<Triangle> faces = topology.faces();
   if (topology.is_manifold()) closed.loops = topology.boundary_loops();
+  const std::vector<Eigen::Vector3d> normals = vertex_normals(topology, positions);
   for (const std::vector<VertexIndex>& loop : closed.loops) {
-    Filler(faces, closed.positions, loop).fill();
+    Filler(faces, closed.positions, loop, normals).fill();
   }
   closed.topology = Topology::create(closed.positions.size(), std::move(faces));
   require_closed_genus_zero(*closed.topology);

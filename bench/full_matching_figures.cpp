@@ -1,0 +1,207 @@
+// How well dense maps between animations with known truth are found. One JSON object per line.
+//
+//   full_matching_figures ict [PAIRS] [FIRST]       model faces doing the same motion, the second
+//                                                   remeshed to about 5,000 vertices
+//   full_matching_figures noisy [PAIRS] [FIRST]     the second turned, scaled, its motion turned
+//   and
+//                                                   scaled for the subject, 0.3 mm noise
+//   full_matching_figures sphere FILE…              time and distortion of maps to the sphere
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "analysis/full_matching/full_matching.h"
+#include "analysis/spherical/closed_surface.h"
+#include "config/error.h"
+#include "mesh/formats/mesh_io.h"
+#include "mesh/geodesics/geodesics.h"
+#include "tests/support/ict_performer.h"
+
+namespace {
+
+using namespace kinemesh;
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+std::vector<Eigen::Vector3d> rest_of(const AnimatedMesh& mesh) {
+  std::vector<Eigen::Vector3d> positions;
+  for (VertexIndex v = 0; v < mesh.vertex_count(); ++v)
+    positions.push_back(mesh.position(0, v).cast<double>());
+  return positions;
+}
+
+double root_area_of(const AnimatedMesh& mesh) {
+  const auto p = rest_of(mesh);
+  double area = 0;
+  for (const Triangle& t : mesh.topology().faces())
+    area += (p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]).norm() / 2;
+  return std::sqrt(area);
+}
+
+double quantile(std::vector<double> values, double q) {
+  if (values.empty()) return 0;
+  std::ranges::sort(values);
+  return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1))];
+}
+
+double mean(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double v : values) sum += v / static_cast<double>(values.size());
+  return sum;
+}
+
+/// Geodesic errors over √area of every `step`-th vertex that both maps know, and its confidence.
+struct Errors {
+  std::vector<double> errors{}, confidence{};
+};
+Errors errors_of(const SurfaceMap& map, const SurfaceMap& truth, const AnimatedMesh& target,
+                 std::size_t step) {
+  const auto positions = rest_of(target);
+  const GeodesicSolver solver(target.shared_topology(), positions);
+  const double unit = root_area_of(target);
+  Errors result;
+  for (std::size_t v = 0; v < map.points.size(); v += step) {
+    if (!map.points[v].valid() || !truth.points[v].valid()) continue;
+    const double chord = (position_of(map.points[v], target.topology(), positions) -
+                          position_of(truth.points[v], target.topology(), positions))
+                             .norm();
+    const GeodesicField field =
+        solver.solve({truth.points[v]}, {.radius_mm = 4 * chord + 1}, {}, {map.points[v]});
+    result.errors.push_back(std::min(field.target_distances[0], 10 * chord) / unit);
+    result.confidence.push_back(map.confidence[v]);
+  }
+  return result;
+}
+
+/// Error of the least confident tenth over that of the most confident half.
+double confidence_ratio(const Errors& e) {
+  std::vector<std::size_t> order(e.errors.size());
+  for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
+  std::ranges::stable_sort(order, {}, [&](std::size_t k) { return e.confidence[k]; });
+  const std::size_t tenth = order.size() / 10, half = order.size() / 2;
+  double low = 0, high = 0;
+  for (std::size_t k = 0; k < tenth; ++k) low += e.errors[order[k]] / static_cast<double>(tenth);
+  for (std::size_t k = half; k < order.size(); ++k)
+    high += e.errors[order[k]] / static_cast<double>(order.size() - half);
+  return low / high;
+}
+
+/// Distances of every `step`-th source vertex from its image under forward, then reverse.
+std::vector<double> there_and_back(const FullMatching& m, const AnimatedMesh& a,
+                                   const AnimatedMesh& b, std::size_t step) {
+  const auto positions = rest_of(a);
+  std::vector<double> distances;
+  for (std::size_t v = 0; v < m.forward.points.size(); v += step) {
+    const SurfacePoint& there = m.forward.points[v];
+    if (!there.valid()) continue;
+    Eigen::Vector3d back = Eigen::Vector3d::Zero();
+    bool whole = true;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const SurfacePoint& corner = m.reverse.points[b.topology().faces()[there.face][c]];
+      whole = whole && corner.valid();
+      if (whole) back += there.weights[c] * position_of(corner, a.topology(), positions);
+    }
+    if (whole) distances.push_back((back - positions[v]).norm() / root_area_of(a));
+  }
+  return distances;
+}
+
+FullMatchingOptions options_from_environment() {
+  FullMatchingOptions options;
+  ParameterSet set;
+  options.declare(set);
+  for (Parameter& p : set.parameters()) {
+    if (const char* value = std::getenv(p.name().c_str())) p.set({value});
+  }
+  return options;
+}
+
+void face_pair(const std::string& kind, uint64_t k) {
+  const test::IctModel& model = test::ict_model();
+  const test::IctMotion motion = test::make_ict_motion(model, 100 + k);
+  test::PerformOptions perform_a{.rate_hz = 30}, perform_b{.rate_hz = 30, .remesh_vertices = 5000};
+  if (kind == "noisy") {
+    perform_b.variation = {.turn_degrees = 20, .scale = 0.3};
+    perform_a.noise_mm = perform_b.noise_mm = 0.3;
+    perform_b.head_degrees = 8;
+  }
+  const auto a = test::perform(model, {.seed = 2 * k + 1}, motion, perform_a);
+  auto b = test::perform(model, {.seed = 2 * k + 2}, motion, perform_b);
+  const SurfaceMap truth = test::true_map(model, a, b);
+  if (kind == "noisy") {
+    const Eigen::Matrix3f turn =
+        Eigen::AngleAxisf(2.0F, Eigen::Vector3f(1, -2, 1).normalized()).toRotationMatrix() * 1.7F;
+    for (std::size_t f = 0; f < b.mesh.frame_count(); ++f)
+      b.mesh.frame(f) = (b.mesh.frame(f) * turn.transpose()).eval();
+  }
+  const auto start = std::chrono::steady_clock::now();
+  const std::clock_t cpu = std::clock();
+  const FullMatching m = match_surfaces(a.mesh, b.mesh, options_from_environment());
+  const double cpu_s = static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC;
+  const double time = seconds_since(start);
+  const Errors e = errors_of(m.forward, truth, b.mesh, 16);
+  const Errors r = errors_of(m.reverse, test::true_map(model, b, a), a.mesh, 16);
+  const std::vector<double> back = there_and_back(m, a.mesh, b.mesh, 4);
+  std::cout << nlohmann::json{{"case", kind},
+                              {"pair", k},
+                              {"mean", mean(e.errors)},
+                              {"p95", quantile(e.errors, 0.95)},
+                              {"worst", quantile(e.errors, 1)},
+                              {"reverse_mean", mean(r.errors)},
+                              {"confidence_ratio", confidence_ratio(e)},
+                              {"back_mean", mean(back)},
+                              {"back_worst", quantile(back, 1)},
+                              {"unmapped", m.unmapped_source},
+                              {"snapped", m.snapped_source},
+                              {"distortion", m.mean_distortion},
+                              {"sphere_distortion", m.sphere_distortion_source},
+                              {"strain", m.agreement.strain},
+                              {"normals", m.agreement.normals},
+                              {"loops", m.agreement.loops},
+                              {"poor", m.poor},
+                              {"seconds", time},
+                              {"cpu_s", cpu_s}}
+                   .dump()
+            << std::endl;
+}
+
+void sphere(const std::string& file) {
+  const AnimatedMesh mesh = read_animation(builtin_mesh_formats(), file);
+  const ClosedSurface closed = close_holes(mesh.topology(), rest_of(mesh));
+  const std::clock_t cpu = std::clock();
+  const auto start = std::chrono::steady_clock::now();
+  const SphericalMap map = map_to_sphere(*closed.topology, closed.positions);
+  std::cout << nlohmann::json{{"case", "sphere"},
+                              {"file", file},
+                              {"vertices", map.points.size()},
+                              {"holes", closed.loops.size()},
+                              {"distortion", map.distortion},
+                              {"smallest_determinant", map.check.smallest_determinant},
+                              {"seconds", seconds_since(start)},
+                              {"cpu_s", static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC}}
+                   .dump()
+            << std::endl;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    const std::string kind = argc > 1 ? argv[1] : "ict";
+    if (kind == "sphere") {
+      for (int k = 2; k < argc; ++k) sphere(argv[k]);
+      return 0;
+    }
+    const int pairs = argc > 2 ? std::atoi(argv[2]) : 20, first = argc > 3 ? std::atoi(argv[3]) : 0;
+    for (int k = first; k < first + pairs; ++k) face_pair(kind, static_cast<uint64_t>(k));
+  } catch (const Error& e) {
+    std::cerr << e.what() << '\n';
+    return static_cast<int>(e.exit_code());
+  }
+  return 0;
+}
