@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "analysis/anim_dog.h"
+#include "bench/grid.h"
 #include "config/multiversion.h"
 #include "config/parallel.h"
 #include "mesh/formats/mesh_io.h"
@@ -57,15 +58,7 @@ double bandwidth(std::size_t floats, std::size_t rounds) {
 /// A sheet with travelling waves: about as many vertices as asked for.
 AnimatedMesh generated(std::size_t vertices, std::size_t frames) {
   const auto side = static_cast<uint32_t>(std::lround(std::sqrt(static_cast<double>(vertices))));
-  std::vector<Triangle> faces;
-  for (uint32_t r = 0; r + 1 < side; ++r) {
-    for (uint32_t c = 0; c + 1 < side; ++c) {
-      const uint32_t a = r * side + c;
-      faces.push_back({a, a + 1, a + side});
-      faces.push_back({a + 1, a + side + 1, a + side});
-    }
-  }
-  AnimatedMesh mesh(Topology::create(std::size_t{side} * side, std::move(faces)), frames, 60);
+  AnimatedMesh mesh(Topology::create(std::size_t{side} * side, grid_faces(side)), frames, 60);
   for (std::size_t f = 0; f < frames; ++f) {
     for (uint32_t v = 0; v < mesh.vertex_count(); ++v) {
       const auto x = static_cast<float>(v % side), y = static_cast<float>(v / side);

@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 
+#include "bench/grid.h"
 #include "config/buffer.h"
 #include "config/input_file.h"
 #include "mesh/formats/bytes.h"
@@ -25,15 +26,7 @@ namespace fs = std::filesystem;
 
 /// A wavy grid of 10 mm cells; `frames` of it.
 AnimatedMesh wavy_grid(uint32_t side, std::size_t frames) {
-  std::vector<Triangle> faces;
-  for (uint32_t r = 0; r + 1 < side; ++r) {
-    for (uint32_t c = 0; c + 1 < side; ++c) {
-      const uint32_t v = r * side + c;
-      faces.push_back({v, v + 1, v + side});
-      faces.push_back({v + 1, v + side + 1, v + side});
-    }
-  }
-  AnimatedMesh mesh(Topology::create(std::size_t{side} * side, std::move(faces)), frames, 120.0);
+  AnimatedMesh mesh(Topology::create(std::size_t{side} * side, grid_faces(side)), frames, 120.0);
   for (std::size_t f = 0; f < frames; ++f) {
     const double t = static_cast<double>(f) / 120.0;
     for (uint32_t v = 0; v < side * side; ++v) {

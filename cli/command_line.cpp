@@ -162,6 +162,15 @@ void Cli11CommandLine::apply_parameters() {
   }
 }
 
+std::string shown_names(const CLI::Option& option, bool positional) {
+  std::string names = option.get_name(positional, !positional);
+  constexpr std::string_view value = "{false}";
+  for (std::size_t at = names.find(value); at != std::string::npos; at = names.find(value, at)) {
+    names.erase(at, value.size());
+  }
+  return names;
+}
+
 std::string Cli11CommandLine::options_toml() const { return set_.dump_toml(); }
 
 }  // namespace kinemesh::cli

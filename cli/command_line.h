@@ -79,6 +79,18 @@ struct Program {
   bool version = false;
 };
 
+/// "--stabilise,--no-stabilise" as help and man pages show it. CLI11 alone adds the value that a
+/// negated flag stands for in braces, which nobody is to type.
+std::string shown_names(const CLI::Option& option, bool positional);
+
+/// Help as CLI11 lays it out, with shown_names().
+class HelpFormatter : public CLI::Formatter {
+ public:
+  std::string make_option_name(const CLI::Option* option, bool positional) const override {
+    return shown_names(*option, positional);
+  }
+};
+
 /// A man page (troff) of the program, or of one command of it.
 std::string man_page(const Program& program, const CLI::App& app, const std::string& path);
 /// The bash completion script.

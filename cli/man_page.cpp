@@ -36,7 +36,7 @@ std::string describe_options(const CLI::App& app) {
   std::string text;
   for (const CLI::Option* option : options_of(app)) {
     const std::string value = std::string(trim(option->get_option_text()));
-    text += ".TP\n.B " + troff(option->get_name(option->get_positional(), true));
+    text += ".TP\n.B " + troff(shown_names(*option, option->get_positional()));
     text += value.empty() ? "\n" : " \\fI" + troff(value) + "\\fR\n";
     text += troff(option->get_description()) + "\n";
   }

@@ -177,6 +177,7 @@ Program::Program()
       "Exit codes: 0 done, 1 internal error, 2 wrong usage, 3 unreadable or invalid input,\n"
       "4 the data allow no result, 130 cancelled.");
   app.require_subcommand(0, 1);
+  app.formatter(std::make_shared<HelpFormatter>());
   app.get_formatter()->column_width(34);
   app.add_flag("--version", version, "Print version, commit and libraries");
   for (CommandSpec& spec : all_commands()) {

@@ -5,7 +5,8 @@ install(FILES "${CMAKE_SOURCE_DIR}/cmake/package/copyright" DESTINATION share/do
         COMPONENT runtime)
 install(FILES "${CMAKE_SOURCE_DIR}/README.md" "${CMAKE_SOURCE_DIR}/CHANGELOG.md"
         DESTINATION share/doc/kinemesh COMPONENT runtime)
-file(GLOB samples CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/sample_c3d/*.c3d")
+file(GLOB samples CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/sample_c3d/*.c3d"
+     "${CMAKE_SOURCE_DIR}/sample_c3d/*.toml")
 install(FILES ${samples} "${CMAKE_SOURCE_DIR}/sample_c3d/README.md"
         DESTINATION share/kinemesh/samples COMPONENT runtime)
 

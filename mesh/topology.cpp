@@ -50,34 +50,40 @@ Topology::Topology(std::size_t vertex_count, std::vector<Triangle> faces)
 
 void Topology::pair_halfedges() {
   struct Key {
-    VertexIndex low, high;
+    VertexIndex high;
     HalfedgeIndex halfedge;
     bool operator<(const Key& o) const {
-      return std::tie(low, high, halfedge) < std::tie(o.low, o.high, o.halfedge);
+      return std::tie(high, halfedge) < std::tie(o.high, o.halfedge);
     }
   };
+  // Counted into a row for the smaller end of the edge; few are left to sort in each.
   const auto halfedge_count = static_cast<HalfedgeIndex>(3 * faces_.size());
+  std::vector<uint32_t> counts(vertex_count_, 0);
+  for (HalfedgeIndex h = 0; h < halfedge_count; ++h) ++counts[std::min(from(h), to(h))];
+  const std::vector<uint32_t> offsets = offsets_from_counts(counts);
+  std::vector<uint32_t> cursor(offsets.begin(), offsets.end() - 1);
   std::vector<Key> keys(halfedge_count);
   for (HalfedgeIndex h = 0; h < halfedge_count; ++h) {
-    keys[h] = {std::min(from(h), to(h)), std::max(from(h), to(h)), h};
+    keys[cursor[std::min(from(h), to(h))]++] = {std::max(from(h), to(h)), h};
   }
-  std::sort(keys.begin(), keys.end());
   twins_.assign(halfedge_count, invalid_index);
-  for (std::size_t i = 0; i < keys.size();) {
-    std::size_t end = i + 1;
-    while (end < keys.size() && keys[end].low == keys[i].low && keys[end].high == keys[i].high) {
-      ++end;
+  std::size_t paired = 0;
+  for (std::size_t low = 0; low < vertex_count_; ++low) {
+    std::sort(keys.begin() + offsets[low], keys.begin() + offsets[low + 1]);
+    for (std::size_t i = offsets[low], end = i; i < offsets[low + 1]; i = end) {
+      while (end < offsets[low + 1] && keys[end].high == keys[i].high) ++end;
+      ++distinct_edges_;
+      const HalfedgeIndex first = keys[i].halfedge;
+      if (end - i == 2 && from(first) == to(keys[i + 1].halfedge)) {
+        twins_[first] = keys[i + 1].halfedge;
+        twins_[keys[i + 1].halfedge] = first;
+        paired += 2;
+      } else if (end - i >= 2) {
+        manifold_ = false;
+      }
     }
-    ++distinct_edges_;
-    const HalfedgeIndex first = keys[i].halfedge;
-    if (end - i == 2 && from(first) == to(keys[i + 1].halfedge)) {
-      twins_[first] = keys[i + 1].halfedge;
-      twins_[keys[i + 1].halfedge] = first;
-    } else if (end - i >= 2) {
-      manifold_ = false;
-    }
-    i = end;
   }
+  edges_.reserve(halfedge_count - paired / 2);
   for (HalfedgeIndex h = 0; h < halfedge_count; ++h) {
     if (twins_[h] == invalid_index || h < twins_[h])
       edges_.push_back({{from(h), to(h)}, h, twins_[h]});

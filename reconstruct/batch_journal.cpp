@@ -89,19 +89,29 @@ BatchJournal::BatchJournal(fs::path file, bool resume) : file_(std::move(file)) 
   }
 }
 
+std::string BatchJournal::name_of(const fs::path& path) const {
+  const fs::path folder = fs::absolute(file_).lexically_normal().parent_path();
+  return fs::absolute(path).lexically_normal().lexically_proximate(folder).string();
+}
+
 const BatchRecord* BatchJournal::finished(const std::string& output, const std::string& key) const {
   const auto at = records_.find(output);
   if (at == records_.end() || at->second.key != key) return nullptr;
   for (const BatchRecord::File& file : at->second.files) {
     std::error_code error;
-    if (fs::file_size(file.path, error) != file.bytes || error) return nullptr;
+    const auto size = fs::file_size(file_.parent_path() / file.path, error);
+    if (error || size != file.bytes) return nullptr;
   }
   return &at->second;
 }
 
 void BatchJournal::note(BatchRecord record) {
-  for (const BatchRecord::File& file : record.files) flush_to_disk(file.path);
-  if (!record.files.empty()) flush_to_disk(fs::path(record.files.front().path).parent_path());
+  const fs::path folder = file_.parent_path();
+  for (const BatchRecord::File& file : record.files) flush_to_disk(folder / file.path);
+  if (!record.files.empty()) {
+    const fs::path first = folder / record.files.front().path;
+    flush_to_disk(first.has_parent_path() ? first.parent_path() : fs::path("."));
+  }
   // A line that was cut off before must not swallow this one.
   append_line(file_,
               "\n" + json_of(record).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");

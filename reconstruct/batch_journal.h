@@ -13,6 +13,8 @@
 
 namespace kinemesh {
 
+/// Paths are relative to the journal's folder, so that it serves from any working folder and goes
+/// with the folder when that is moved.
 struct BatchRecord {
   struct File {
     std::string path;
@@ -34,6 +36,8 @@ class BatchJournal {
   /// Reads what is there, or (with `resume` false) begins anew. Throws InputError when the file
   /// can be neither read nor written.
   BatchJournal(std::filesystem::path file, bool resume);
+  /// `path` as records name it.
+  std::string name_of(const std::filesystem::path& path) const;
   /// The finished session of this output and key, or null.
   const BatchRecord* finished(const std::string& output, const std::string& key) const;
   /// Flushes the files of the record to the disk, then notes it.

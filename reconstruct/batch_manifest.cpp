@@ -134,8 +134,10 @@ std::map<std::string, std::size_t> index_outputs(const fs::path& file, const Lis
   std::map<std::string, std::size_t> by_stem;
   for (std::size_t i = 0; i < sessions.size(); ++i) {
     by_output.emplace(key_of(sessions[i].output), i);
-    fs::path stem = sessions[i].output;
-    const auto [at, fresh] = by_stem.emplace(key_of(stem.replace_extension()), i);
+    fs::path output = sessions[i].output;
+    std::string stem = key_of(output.replace_extension());
+    while (stem.ends_with('#') || stem.ends_with('_')) stem.pop_back();  // a.ply and a_####.obj
+    const auto [at, fresh] = by_stem.emplace(std::move(stem), i);
     if (!fresh) {
       refuse(file, listing.rows[i].line,
              "the output " + sessions[i].output.string() + " is also that of line " +

@@ -10,7 +10,6 @@
 #include "mesh/formats/mesh_io.h"
 #include "reconstruct/anonymous.h"
 #include "reconstruct/convert_report.h"
-#include "reconstruct/convert_summary.h"
 #include "report/gap_chart.h"
 #include "report/image.h"
 
@@ -66,6 +65,10 @@ class Writer {
         add_animation(formats, result_.conversion.animation, job_.output, options_.writing, files_,
                       ctx.part(0.0, 0.4, "writing the mesh"));
     for (const std::string& note : written.report.notes) ctx.info(note);
+    result_.written.format = written.format;
+    result_.written.lost = written.report.lost;
+    result_.written.max_error_mm = written.report.max_error_mm;
+    result_.written.rms_error_mm = written.report.rms_error_mm;
     list(written.files.front());
     if (written.files.size() > 1) list(written.files.back());
     if (options_.pictures) draw(ctx.part(0.4, 0.7, "drawing"));
@@ -73,7 +76,7 @@ class Writer {
     list(beside(stem_, "_summary.json"));
     if (options_.report) add_report(ctx.part(0.7, 1.0, "report"));
     files_.add(beside(stem_, "_summary.json"),
-               summary_json(result_.session, result_.conversion, shown_outputs()));
+               summary_json(result_.session, result_.conversion, shown()));
     files_.commit();
   }
 
@@ -81,17 +84,19 @@ class Writer {
   std::optional<Anonymiser> anonymiser;
 
  private:
-  void list(const fs::path& path) { result_.outputs.push_back(path.string()); }
+  void list(const fs::path& path) { result_.written.outputs.push_back(path.string()); }
   void add(const std::string& suffix, const std::string& content) {
     list(beside(stem_, suffix));
     files_.add(beside(stem_, suffix), content);
   }
 
   /// The outputs as the written files may name them.
-  std::vector<std::string> shown_outputs() const {
-    std::vector<std::string> shown = result_.outputs;
+  WrittenMesh shown() const {
+    WrittenMesh shown = result_.written;
     if (!anonymiser) return shown;
-    for (std::string& path : shown) path = (*anonymiser)(fs::path(path).filename().string());
+    for (std::string& path : shown.outputs) {
+      path = (*anonymiser)(fs::path(path).filename().string());
+    }
     return shown;
   }
 
@@ -117,7 +122,7 @@ class Writer {
     list(beside(stem_, "_report.html"));
     const ConvertReport report = convert_report(
         result_.session, result_.conversion,
-        {.title = title_, .outputs = shown_outputs(), .up = direction_of(options_.sheet.up)}, ctx);
+        {.title = title_, .outputs = shown().outputs, .up = direction_of(options_.sheet.up)}, ctx);
     result_.report_error_mm = report.max_error_mm;
     files_.add(beside(stem_, "_report.html"), report.html);
     ctx.check_cancelled();

@@ -9,6 +9,7 @@
 #include "mesh/formats/options.h"
 #include "mesh/formats/registry.h"
 #include "reconstruct/convert.h"
+#include "reconstruct/convert_summary.h"
 #include "report/contact_sheet.h"
 
 namespace kinemesh {
@@ -40,8 +41,8 @@ struct ConvertJob {
 struct ConvertFilesResult {
   MarkerSequence session;
   ConvertResult conversion;
-  std::vector<std::string> outputs;  ///< of a numbered mesh the first and the last file
-  double report_error_mm = 0.0;      ///< largest error of the animation in the report
+  WrittenMesh written;
+  double report_error_mm = 0.0;  ///< largest error of the animation in the report
 };
 
 /// Throws as read_session, convert_session and write_animation; then nothing is left.

@@ -228,7 +228,7 @@ std::string summary_text(const MarkerSequence& session, const ConvertResult& res
 }
 
 std::string summary_json(const MarkerSequence& session, const ConvertResult& result,
-                         const std::vector<std::string>& outputs) {
+                         const WrittenMesh& written) {
   const AnimatedMesh& mesh = result.animation;
   Json inputs = Json::array();
   for (const Provenance::Input& input : mesh.provenance.inputs) {
@@ -254,7 +254,12 @@ std::string summary_json(const MarkerSequence& session, const ConvertResult& res
                          {"mesh", mesh_json(result)},
                          {"quality", quality_json(result)},
                          {"doubtful", doubts_of(result)},
-                         {"outputs", outputs},
+                         {"written",
+                          {{"format", written.format},
+                           {"not_kept", written.lost},
+                           {"max_error_mm", written.max_error_mm},
+                           {"rms_error_mm", written.rms_error_mm}}},
+                         {"outputs", written.outputs},
                          {"options", mesh.provenance.options}};
   return document.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }

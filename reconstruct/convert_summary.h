@@ -9,13 +9,21 @@
 
 namespace kinemesh {
 
+/// What became of the mesh when it was written.
+struct WrittenMesh {
+  std::vector<std::string> outputs;  ///< all files; of a numbered mesh the first and the last
+  std::string format;
+  std::vector<std::string> lost;  ///< what the mesh has and the format has no place for
+  double max_error_mm = 0.0;      ///< of formats that do not keep every float
+  double rms_error_mm = 0.0;
+};
+
 /// A page of plain text: what came in, what was measured, what was filled, what is doubtful.
 std::string summary_text(const MarkerSequence& session, const ConvertResult& result);
 
 /// The same and more as a JSON document; its fields are documented in docs/convert.md.
-/// `outputs` are the paths of the files written.
 std::string summary_json(const MarkerSequence& session, const ConvertResult& result,
-                         const std::vector<std::string>& outputs);
+                         const WrittenMesh& written);
 
 /// CSV: frame, time_s, flipped, degenerate, stretch_min, stretch_max, stretch_rms, filled.
 std::string quality_csv(const ConvertResult& result);

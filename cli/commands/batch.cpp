@@ -54,17 +54,18 @@ struct Outcome {
   BatchRecord record;
 };
 
-/// "session.c3d: not found" out of "kinemesh: error: session.c3d: not found\n…".
-std::string reason_of(const ChildProcess& child) {
+/// "not found" out of "kinemesh: error: session.c3d: not found\n…".
+std::string reason_of(const ChildProcess& child, const fs::path& session) {
   if (child.signal() != 0) {
     return "the conversion was ended by signal " + std::to_string(child.signal());
   }
   const std::string text = child.err();
   constexpr std::string_view mark = "error: ";
   const std::size_t at = text.rfind(mark);
-  const std::string_view rest = at == std::string::npos
-                                    ? std::string_view(text)
-                                    : std::string_view(text).substr(at + mark.size());
+  std::string_view rest = at == std::string::npos ? std::string_view(text)
+                                                  : std::string_view(text).substr(at + mark.size());
+  const std::string name = session.string() + ": ";
+  if (rest.starts_with(name)) rest.remove_prefix(name.size());
   return std::string(trim(rest));
 }
 
@@ -91,7 +92,7 @@ class Batch {
     for (std::size_t i = 0; i < outcomes_.size(); ++i) {
       keys_.push_back(key_of(i));
       if (!arguments.resume) continue;
-      if (const BatchRecord* record = journal_.finished(output(i), keys_[i])) {
+      if (const BatchRecord* record = journal_.finished(journal_.name_of(output(i)), keys_[i])) {
         outcomes_[i].state = State::finished_before;
         outcomes_[i].record = *record;
       }
@@ -127,7 +128,9 @@ class Batch {
     for (std::size_t i = 0; i < outcomes_.size(); ++i) {
       const Outcome& o = outcomes_[i];
       Json files = Json::array();
-      for (const BatchRecord::File& file : o.record.files) files.push_back(file.path);
+      for (const BatchRecord::File& file : o.record.files) {
+        files.push_back((manifest_.folder / file.path).string());
+      }
       sessions.push_back({{"session", manifest_.sessions[i].session.string()},
                           {"output", output(i)},
                           {"outcome", word_of(o.state)},
@@ -207,7 +210,8 @@ class Batch {
   std::string key_of(std::size_t i) const {
     const BatchSession& s = manifest_.sessions[i];
     std::vector<fs::path> inputs{s.session};
-    std::string options = terminal_.options_toml;
+    std::string options =
+        terminal_.options_toml + "seed " + std::to_string(terminal_.run.seed()) + "\n";
     // A topology that this batch makes is known by what it is made from.
     if (s.after) {
       options += key_of(*s.after);
@@ -281,7 +285,7 @@ class Batch {
       o.state = State::cancelled;
     } else {
       fail(o, o.exit_code > 0 ? static_cast<ExitCode>(o.exit_code) : ExitCode::internal_error,
-           reason_of(*r.child));
+           reason_of(*r.child, manifest_.sessions[r.index].session));
     }
     if (!terminal_.run.cancelled()) {
       terminal_.run.info(manifest_.sessions[r.index].session.string() + ": " + word_of(o.state) +
@@ -302,12 +306,12 @@ class Batch {
       return;
     }
     o.state = State::done;
-    o.record.output = output(i);
+    o.record.output = journal_.name_of(output(i));
     o.record.key = keys_[i];
     for (const Json& path : json.at("outputs")) {
       const auto name = path.get<std::string>();
       std::error_code ignored;
-      o.record.files.push_back({name, fs::file_size(name, ignored)});
+      o.record.files.push_back({journal_.name_of(name), fs::file_size(name, ignored)});
     }
     o.record.vertices = json.at("mesh").at("vertices").get<std::size_t>();
     o.record.frames = json.at("session").at("frames").get<std::size_t>();

@@ -19,6 +19,17 @@ struct State {
   ConvertFilesOptions options;
 };
 
+std::string written_text(const WrittenMesh& written) {
+  std::vector<std::string> files = written.outputs;  // of a long sequence the first and the last
+  if (files.size() > 12) files = {files.front(), files.back()};
+  std::string text = "written     " + join(files, "\n            ");
+  if (!written.lost.empty()) {
+    text += "\nnot kept    " + join(written.lost, ", ", " and ") + ": " + written.format +
+            " has no place for that ('kinemesh formats' lists which have)";
+  }
+  return text;
+}
+
 /// An animated mesh rather than a recorded session, judged by its name. C3D, TRC and CSV hold both;
 /// they are sessions here.
 bool is_mesh(const FormatRegistry& formats, const std::string& input) {
@@ -43,8 +54,11 @@ ExitCode convert_mesh(const FormatRegistry& formats, const State& state, Termina
                           terminal.run.part(0.0, 0.5, "reading"));
   const WriteResult out = write_animation(formats, in.mesh, job.output, state.options.writing,
                                           terminal.run.part(0.5, 1.0, "writing"));
-  const std::string lost = formats.find(out.format)->loses();
-  const std::vector<std::string> files(out.files.begin(), out.files.end());
+  const WrittenMesh written{.outputs = {out.files.begin(), out.files.end()},
+                            .format = out.format,
+                            .lost = out.report.lost,
+                            .max_error_mm = out.report.max_error_mm,
+                            .rms_error_mm = out.report.rms_error_mm};
   if (terminal.json) {
     terminal.print(nlohmann::ordered_json{
         {"input", job.session},
@@ -52,17 +66,16 @@ ExitCode convert_mesh(const FormatRegistry& formats, const State& state, Termina
         {"vertices", in.mesh.vertex_count()},
         {"frames", in.mesh.frame_count()},
         {"format", out.format},
-        {"outputs", files},
-        {"max_error_mm", out.report.max_error_mm},
+        {"outputs", written.outputs},
+        {"max_error_mm", written.max_error_mm},
+        {"rms_error_mm", written.rms_error_mm},
         {"not_kept",
-         lost}}.dump(2));
+         written.lost}}.dump(2));
   } else if (!terminal.quiet) {
     terminal.print(job.session + ": " + count_of(in.mesh.vertex_count(), "vertex", "vertices") +
                    ", " + count_of(in.mesh.frame_count(), "frame"));
     for (const std::string& note : out.report.notes) terminal.print(note);
-    if (!lost.empty()) terminal.print(out.format + " does not keep: " + lost);
-    terminal.print("written     " + files.front() +
-                   (files.size() > 1 ? "\n            " + files.back() : ""));
+    terminal.print(written_text(written));
   }
   return ExitCode::done;
 }
@@ -78,10 +91,9 @@ ExitCode convert(State& state, Terminal& terminal) {
   state.job.options_toml = terminal.options_toml;
   const ConvertFilesResult done = convert_files(formats, state.job, state.options, terminal.run);
   if (terminal.json) {
-    terminal.print(summary_json(done.session, done.conversion, done.outputs));
+    terminal.print(summary_json(done.session, done.conversion, done.written));
   } else if (!terminal.quiet) {
-    terminal.print(summary_text(done.session, done.conversion) + "written     " +
-                   join(done.outputs, "\n            "));
+    terminal.print(summary_text(done.session, done.conversion) + written_text(done.written));
   }
   return ExitCode::done;
 }

@@ -233,6 +233,7 @@ WriteResult add_animation(const FormatRegistry& formats, const AnimatedMesh& mes
   ctx.check_cancelled();
   const std::vector<fs::path> all = files.paths();
   result.files.assign(all.begin() + static_cast<std::ptrdiff_t>(before), all.end());
+  result.report.lost = format.keeps.lost_of(Keeps::content_of(source));
   if (numbered) note_older_files(target, result);
   return result;
 }

@@ -63,9 +63,26 @@ std::string number(T value) {
   return out;
 }
 
+/// Readers of PLY give up at longer lines (VTK's at 4,096 bytes, RPly at 1,024).
+constexpr std::size_t longest_piece = 400;
+
+/// Bytes of `text` that fit on one line: whole lines of it if possible, and whole characters.
+std::size_t piece_of(std::string_view text) {
+  if (text.size() <= longest_piece) return text.size();
+  const std::size_t line_end = text.rfind('\n', longest_piece - 1);
+  if (line_end != std::string_view::npos) return line_end + 1;
+  std::size_t end = longest_piece;
+  while (end > 1 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
+  return end;
+}
+
 void add_provenance(const Provenance& provenance, std::vector<std::string>& lines) {
-  const auto add = [&lines](const char* key, const std::string& value) {
-    if (!value.empty()) lines.push_back("kinemesh " + std::string(key) + " " + in_quotes(value));
+  const auto add = [&lines](const char* key, std::string_view value) {
+    for (std::string mark = " "; !value.empty(); mark = "+ ") {
+      const std::size_t piece = piece_of(value);
+      lines.push_back("kinemesh " + (key + mark) + in_quotes(value.substr(0, piece)));
+      value.remove_prefix(piece);
+    }
   };
   add("program", provenance.program);
   add("command", provenance.command);
@@ -87,8 +104,10 @@ void add_filled_runs(const AnimatedMesh& mesh, std::vector<std::string>& lines) 
       while (end < mesh.frame_count() && filled[end * vertices + v] != 0) ++end;
       if (end > f) line += " " + std::to_string(f) + "-" + std::to_string(end - 1);
       f = end + 1;
+      if (line.empty() || (f < mesh.frame_count() && line.size() < longest_piece)) continue;
+      lines.push_back("kinemesh filled " + std::to_string(v) + line);
+      line.clear();
     }
-    if (!line.empty()) lines.push_back("kinemesh filled " + std::to_string(v) + line);
   }
 }
 
@@ -115,6 +134,16 @@ std::vector<std::string> metadata_lines(const AnimatedMesh& mesh, std::size_t fr
   return lines;
 }
 
+std::string* MetadataReader::provenance_text(std::string_view key) {
+  if (key.ends_with('+')) key.remove_suffix(1);
+  Provenance& found = found_.provenance;
+  return key == "program"   ? &found.program
+         : key == "command" ? &found.command
+         : key == "options" ? &found.options
+         : key == "source"  ? &found.source
+                            : nullptr;
+}
+
 void MetadataReader::read(std::string_view line) {
   if (!line.starts_with("kinemesh ")) return;
   const std::vector<std::string> words = words_of(line.substr(9));
@@ -138,14 +167,8 @@ void MetadataReader::read(std::string_view line) {
     found_.events.push_back({words[2], words[3], words[4], real});
   } else if (key == "input" && words.size() > 2) {
     found_.provenance.inputs.push_back({value, words[2]});
-  } else if (key == "program") {
-    found_.provenance.program = value;
-  } else if (key == "command") {
-    found_.provenance.command = value;
-  } else if (key == "options") {
-    found_.provenance.options = value;
-  } else if (key == "source") {
-    found_.provenance.source = value;
+  } else if (std::string* text = provenance_text(key)) {
+    key.ends_with('+') ? text->append(value) : text->assign(value);
   } else if (key == "filled" && found_.filled_runs && parse(value, vertex)) {
     for (std::size_t i = 2; i < words.size(); ++i) {
       const std::size_t dash = words[i].find('-');

@@ -7,6 +7,7 @@
 //   kinemesh event 1.25 "Foot Strike" "Left" "Anna"
 //   kinemesh filled 17 12-30 44-44        (vertex, then runs of 0-based frames of this file)
 //   kinemesh program "kinemesh 0.1.0"     (and command, options, source)
+//   kinemesh options+ "max-gap = 0.1\n"   (a long text goes on: lines stay below 1,000 bytes)
 //   kinemesh input "session.c3d" "9f86d0…"
 //
 // Strings are quoted; \" \\ \n \r \t stand for themselves.
@@ -43,6 +44,9 @@ class MetadataReader {
   void apply(MeshData& data) const;
 
  private:
+  /// The text that `key` ("options", "options+") names, or null.
+  std::string* provenance_text(std::string_view key);
+
   MeshData found_;
   std::vector<std::pair<std::size_t, std::string>> names_;
 };

@@ -133,12 +133,9 @@ std::string encode_obj(const AnimatedMesh& mesh, std::size_t frame, const WriteO
 
 Format obj_format();
 Format obj_format() {
-  Format format = make_format("obj", ".obj", "Wavefront OBJ; numbered for animations",
-                              Keeps::description(), "every float, as decimal text");
-  format.single_frame = true;
-  format.decode = decode_obj;
-  format.encode = encode_obj;
-  return format;
+  return make_single_frame_format("obj", ".obj", "Wavefront OBJ; numbered for animations",
+                                  Keeps::description(), "every float, as decimal text", decode_obj,
+                                  encode_obj);
 }
 
 }  // namespace kinemesh

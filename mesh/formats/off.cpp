@@ -136,12 +136,9 @@ std::string encode_off(const AnimatedMesh& mesh, std::size_t frame, const WriteO
 
 Format off_format();
 Format off_format() {
-  Format format = make_format("off", ".off", "OFF of Geomview; numbered for animations",
-                              Keeps::description(), "every float, as decimal text");
-  format.single_frame = true;
-  format.decode = decode_off;
-  format.encode = encode_off;
-  return format;
+  return make_single_frame_format("off", ".off", "OFF of Geomview; numbered for animations",
+                                  Keeps::description(), "every float, as decimal text", decode_off,
+                                  encode_off);
 }
 
 }  // namespace kinemesh

@@ -79,14 +79,12 @@ std::string encode_ply(const AnimatedMesh& mesh, std::size_t frame, const WriteO
 
 Format ply_format();
 Format ply_format() {
-  Format format = make_format("ply", ".ply", "PLY, ascii or binary; numbered for animations",
-                              Keeps::everything(), "every float");
-  format.single_frame = true;
-  format.decode = decode_ply;
-  format.encode = [](const AnimatedMesh& mesh, std::size_t frame, const WriteOptions& options) {
-    return encode_ply(mesh, frame, options);
-  };
-  return format;
+  return make_single_frame_format(
+      "ply", ".ply", "PLY, ascii or binary; numbered for animations", Keeps::everything(),
+      "every float", decode_ply,
+      [](const AnimatedMesh& mesh, std::size_t frame, const WriteOptions& options) {
+        return encode_ply(mesh, frame, options);
+      });
 }
 
 }  // namespace kinemesh

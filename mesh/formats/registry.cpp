@@ -37,22 +37,38 @@ constexpr auto writable = [](const Format& f) { return f.can_write(); };
 
 }  // namespace
 
-std::string Format::loses() const {
-  std::vector<std::string> lost;
-  const auto note = [&lost](bool kept, const char* what) {
-    if (!kept) lost.emplace_back(what);
+Keeps Keeps::content_of(const AnimatedMesh& mesh) {
+  const auto any = [](auto values) {
+    return std::ranges::any_of(values, [](auto value) { return value != 0; });
   };
-  note(keeps.faces, "faces");
-  note(keeps.names, "vertex names");
-  note(keeps.unit, "unit");
-  note(keeps.rate, "rate");
-  note(keeps.first_frame, "first frame");
-  note(keeps.events, "events");
-  note(keeps.filled, "filled flags");
-  note(keeps.uncertainty, "uncertainty");
-  note(keeps.provenance, "provenance");
-  return join(lost, ", ");
+  return {.faces = mesh.topology().face_count() > 0,
+          .names = !mesh.vertex_names.empty(),
+          .rate = mesh.rate_hz > 0,
+          .first_frame = mesh.first_frame != 1,
+          .events = !mesh.events.empty(),
+          .filled = any(mesh.filled()),
+          .uncertainty = any(mesh.uncertainty()),
+          .provenance = !mesh.provenance.program.empty() || !mesh.provenance.inputs.empty()};
 }
+
+std::vector<std::string> Keeps::lost_of(const Keeps& content) const {
+  std::vector<std::string> lost;
+  const auto note = [&lost](bool kept, bool there, const char* what) {
+    if (!kept && there) lost.emplace_back(what);
+  };
+  note(faces, content.faces, "faces");
+  note(names, content.names, "vertex names");
+  note(unit, content.unit, "unit");
+  note(rate, content.rate, "rate");
+  note(first_frame, content.first_frame, "first frame");
+  note(events, content.events, "events");
+  note(filled, content.filled, "filled flags");
+  note(uncertainty, content.uncertainty, "uncertainty");
+  note(provenance, content.provenance, "provenance");
+  return lost;
+}
+
+std::string Format::loses() const { return join(keeps.lost_of(Keeps::everything()), ", "); }
 
 Format make_format(std::string name, std::string extension, std::string description, Keeps keeps,
                    std::string exactness) {
@@ -62,6 +78,17 @@ Format make_format(std::string name, std::string extension, std::string descript
   format.description = std::move(description);
   format.keeps = keeps;
   format.exactness = std::move(exactness);
+  return format;
+}
+
+Format make_single_frame_format(std::string name, std::string extension, std::string description,
+                                Keeps keeps, std::string exactness, Format::Decode decode,
+                                Format::Encode encode) {
+  Format format = make_format(std::move(name), std::move(extension), std::move(description), keeps,
+                              std::move(exactness));
+  format.single_frame = true;
+  format.decode = std::move(decode);
+  format.encode = std::move(encode);
   return format;
 }
 

@@ -53,11 +53,16 @@ struct Keeps {
     keeps.uncertainty = true;
     return keeps;
   }
+  /// What there is to keep of this mesh.
+  static Keeps content_of(const AnimatedMesh& mesh);
+  /// What of `content` is not kept, in words: "vertex names", "rate".
+  std::vector<std::string> lost_of(const Keeps& content) const;
 };
 
 /// Numbers worth saying about a written file (the error reached by a lossy format).
 struct WriteReport {
   std::vector<std::string> notes;  ///< sentences for the user
+  std::vector<std::string> lost;   ///< what the mesh has and the format has no place for
   double max_error_mm = 0.0;       ///< 0 for formats that keep every float
   double rms_error_mm = 0.0;
 };
@@ -103,6 +108,11 @@ struct Format {
 /// A format with its description; the caller adds what reads and writes it.
 Format make_format(std::string name, std::string extension, std::string description, Keeps keeps,
                    std::string exactness);
+
+/// One that holds a frame a file.
+Format make_single_frame_format(std::string name, std::string extension, std::string description,
+                                Keeps keeps, std::string exactness, Format::Decode decode,
+                                Format::Encode encode);
 
 class FormatRegistry {
  public:

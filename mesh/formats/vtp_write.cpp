@@ -216,12 +216,8 @@ std::string encode_vtp(const AnimatedMesh& mesh, std::size_t frame, const WriteO
 
 Format vtp_format();
 Format vtp_format() {
-  Format format = make_format("vtp", ".vtp", "VTK PolyData; numbered for animations",
-                              Keeps::everything(), "every float");
-  format.single_frame = true;
-  format.decode = decode_vtp;
-  format.encode = encode_vtp;
-  return format;
+  return make_single_frame_format("vtp", ".vtp", "VTK PolyData; numbered for animations",
+                                  Keeps::everything(), "every float", decode_vtp, encode_vtp);
 }
 
 Format pvd_format();

@@ -59,7 +59,9 @@ TEST(Batch, OneThatFailsHarmsNoOtherAndResumeLeavesOutWhatIsFinished) {
   EXPECT_EQ(outcome(result, 2), "failed");
   EXPECT_EQ(outcome(result, 3), "done");
   EXPECT_EQ(result["sessions"][0]["vertices"], result["sessions"][3]["vertices"]);
-  EXPECT_FALSE(result["sessions"][1]["reason"].get<std::string>().empty());
+  const auto reason = result["sessions"][1]["reason"].get<std::string>();
+  EXPECT_FALSE(reason.empty());
+  EXPECT_EQ(reason.find("broken.c3d"), std::string::npos) << reason;
   EXPECT_EQ(Json::parse(read_file(folder.path() / "out/study_outcomes.json")), result);
   const std::string mesh = read_file(folder.path() / "out/anna_surprise.ply");
 
@@ -67,6 +69,13 @@ TEST(Batch, OneThatFailsHarmsNoOtherAndResumeLeavesOutWhatIsFinished) {
   EXPECT_EQ(outcome(again, 0), "finished before");
   EXPECT_EQ(outcome(again, 1), "failed");
   EXPECT_EQ(outcome(again, 3), "finished before");
+  // From wherever it is run: relative paths name the same files.
+  const fs::path relative = fs::proximate(study);
+  const Json elsewhere = Json::parse(batch({relative.string(), "--json", "--resume"}).out);
+  EXPECT_EQ(outcome(elsewhere, 3), "finished before");
+  for (const Json& file : elsewhere["sessions"][3]["files"]) {
+    EXPECT_TRUE(fs::exists(file.get<std::string>())) << file;
+  }
 
   // What is gone or was made with other options is made again.
   fs::remove(folder.path() / "out/anna_surprise.pc2");

@@ -1,37 +1,22 @@
 // kinemesh geodesics as a user runs it.
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "config/input_file.h"
 #include "mesh/formats/mesh_io.h"
 #include "mesh/formats/npz.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/command_test.h"
 #include "tests/support/test_shapes.h"
 
 namespace kinemesh {
 namespace {
 
-class GeodesicsCommand : public ::testing::Test {
+class GeodesicsCommand : public test::CommandTest {
  protected:
-  GeodesicsCommand() {
+  GeodesicsCommand() : CommandTest(KINEMESH_PROGRAM " geodesics") {
     write_mesh(builtin_mesh_formats(), test::plane_grid(4, 0.0, 0).mesh(), place("plane.ply"));
   }
-  std::string place(const std::string& name) const { return (folder_.path() / name).string(); }
-  /// Exit code; standard output in output_.
-  int run(const std::string& arguments) {
-    const std::string command = std::string(KINEMESH_PROGRAM) + " geodesics " + arguments + " > " +
-                                place("stdout") + " 2> " + place("stderr");
-    const int status = std::system(command.c_str());
-    output_ = read_file(place("stdout"));
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-
-  test::TemporaryFolder folder_;
-  std::string output_;
 };
 
 TEST_F(GeodesicsCommand, DistancesAndPathsAsCsv) {

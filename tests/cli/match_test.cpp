@@ -1,22 +1,19 @@
 // kinemesh match as a user runs it.
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "analysis/feature_io.h"
-#include "config/input_file.h"
 #include "mesh/formats/mesh_io.h"
 #include "tests/support/bending_cylinder.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/command_test.h"
 
 namespace kinemesh {
 namespace {
 
-class MatchCommand : public ::testing::Test {
+class MatchCommand : public test::CommandTest {
  protected:
-  MatchCommand() {
+  MatchCommand() : CommandTest(KINEMESH_PROGRAM " match") {
     const test::BendingCylinder cylinder =
         test::make_bending_cylinder({.around = 16, .along = 40, .frames = 20});
     write_animation(builtin_mesh_formats(), cylinder.mesh, place("a.ply"));
@@ -32,17 +29,6 @@ class MatchCommand : public ::testing::Test {
     set.features.clear();
     write_features(place("none.json"), set);
   }
-  std::string place(const std::string& name) const { return (folder_.path() / name).string(); }
-  int run(const std::string& arguments) {
-    const std::string command = std::string(KINEMESH_PROGRAM) + " match " + arguments + " > " +
-                                place("stdout") + " 2> " + place("stderr");
-    const int status = std::system(command.c_str());
-    output_ = read_file(place("stdout"));
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-
-  test::TemporaryFolder folder_;
-  std::string output_;
 };
 
 TEST_F(MatchCommand, MatchesPictureAndTerms) {

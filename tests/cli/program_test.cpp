@@ -28,6 +28,8 @@ TEST(Program, HelpNamesCommandsAndExitCodes) {
   EXPECT_EQ(sub.exit_code, 0);
   EXPECT_TRUE(contains(sub.out, "Example:"));
   EXPECT_TRUE(contains(sub.out, "--max-gap"));
+  EXPECT_TRUE(contains(sub.out, "--no-report"));
+  EXPECT_FALSE(contains(sub.out, "{false}"));
 }
 
 TEST(Program, VersionNamesTheProgram) {

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Others read what we write: trimesh and meshio, and for VTP and glTF animations a reader written
-here from the formats' specifications, since neither of the two knows them.
+"""Others read what we write: trimesh, meshio, and VTK for VTP, which neither of the two knows; for
+glTF animations, which none of them plays, a reader written here from the specification.
 
 read_with_python.py KINEMESH SESSION DEPS: converts some frames of the session into every format and
 compares with the NumPy archive. Ends with 77 (skipped) when the packages are not installed, unless
@@ -83,6 +83,18 @@ def by_vtk_specification(path):
     return points, polys["connectivity"].reshape(-1, 3)
 
 
+def by_vtk(path):
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
+    reader = vtkXMLPolyDataReader()
+    reader.SetFileName(path)
+    reader.Update()
+    mesh = reader.GetOutput()
+    names = mesh.GetPointData().GetAbstractArray("vertex_name")
+    check(names is not None and names.GetNumberOfValues() == mesh.GetNumberOfPoints(), "VTP: VTK knows the vertices' names")
+    return vtk_to_numpy(mesh.GetPoints().GetData()), vtk_to_numpy(mesh.GetPolys().GetConnectivityArray()).reshape(-1, 3)
+
+
 class Glb:
     """An animated mesh by the glTF 2.0 specification: base positions, morph targets, weights."""
 
@@ -144,13 +156,14 @@ def millimetres(metres):
 
 def compare(converted, truth, faces):
     import numpy
-    readers = {"trimesh": by_trimesh, "meshio": by_meshio, "the specification": by_vtk_specification}
+    readers = {"trimesh": by_trimesh, "meshio": by_meshio, "VTK": by_vtk, "the specification": by_vtk_specification}
     for name, options, who in (("ply/a.ply", ["--format", "ply"], ("trimesh", "meshio")),
                                ("ascii/a.ply", ["--format", "ply", "--encoding", "ascii"], ("trimesh", "meshio")),
                                ("big/a.ply", ["--format", "ply", "--encoding", "binary-big"], ("trimesh", "meshio")),
                                ("a.obj", [], ("trimesh", "meshio")),
                                ("a.off", [], ("trimesh", "meshio")),
-                               ("a.vtp", [], ("the specification",))):
+                               ("a.vtp", [], ("VTK", "the specification")),
+                               ("ascii/a.vtp", ["--encoding", "ascii"], ("VTK",))):
         path = converted.write(name, *options)
         for reader in who:
             for frame in range(FRAMES):
@@ -182,6 +195,7 @@ def main():
         import numpy
         import meshio  # noqa: F401
         import trimesh  # noqa: F401
+        import vtkmodules.vtkIOXML  # noqa: F401
     except ImportError as missing:
         print("skipped:", missing)
         return 1 if os.environ.get("KINEMESH_REQUIRE_DATA") else 77

@@ -1,36 +1,22 @@
 // kinemesh solve-matching as a user runs it.
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "config/input_file.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/command_test.h"
 
 namespace kinemesh {
 namespace {
 
-class SolveMatchingCommand : public ::testing::Test {
+class SolveMatchingCommand : public test::CommandTest {
  protected:
+  SolveMatchingCommand() : CommandTest(KINEMESH_PROGRAM " solve-matching") {}
   std::string write(const std::string& name, const std::string& text) {
-    const std::string path = (folder_.path() / name).string();
+    const std::string path = place(name);
     std::ofstream(path) << text;
     return path;
   }
-  int run(const std::string& arguments) {
-    const std::string out = (folder_.path() / "stdout").string();
-    const std::string command = std::string(KINEMESH_PROGRAM) + " solve-matching " + arguments +
-                                " > " + out + " 2> " + (folder_.path() / "stderr").string();
-    const int status = std::system(command.c_str());
-    output_ = read_file(out);
-    errors_ = read_file(folder_.path() / "stderr");
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-
-  test::TemporaryFolder folder_;
-  std::string output_, errors_;
 };
 
 const char* const small = "p 3 2 4 1\na 0 0 0 -1\na 1 0 1 -2\na 2 1 1 -1.5\na 3 2 0 4\ne 0 2 -1\n";

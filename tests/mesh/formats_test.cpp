@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <sstream>
 
 #include "config/error.h"
+#include "config/input_file.h"
 #include "config/output_file.h"
 #include "mesh/formats/mesh_io.h"
 #include "tests/support/random_animation.h"
@@ -69,6 +71,29 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"a.pvd", "a.pvd"}, Case{"a.pvd", "a_frames", Encoding::ascii},
                     Case{"a_####.vtp", "a_####.vtp", Encoding::binary_big},
                     Case{"a.npz", "a.npz"}));
+
+/// VTK's reader of PLY gives up at a line of 4,096 bytes, RPly at 1,024.
+TEST(Formats, LongDescriptionsAreCutIntoLinesThatOtherReadersTake) {
+  AnimatedMesh mesh = random_animation(3, 3, 600);
+  if (mesh.filled().empty()) mesh.add_filled();
+  for (std::size_t i = 0; i < mesh.filled().size(); ++i) mesh.filled()[i] = i / 3 % 2;
+  mesh.provenance.command.clear();
+  for (int i = 0; i < 3000; ++i) mesh.provenance.command += i % 7 == 0 ? "\u00e4" : "\"";
+  mesh.provenance.options.clear();
+  for (int i = 0; i < 400; ++i) {
+    mesh.provenance.options += "# option " + std::to_string(i) + "\nvalue = \"\u00e4\"\n";
+  }
+  const TemporaryFolder folder;
+  write_animation(formats(), mesh, folder.path() / "a.ply", {});
+  const std::string ply = read_file(folder.path() / "a.ply");
+  std::istringstream header(ply.substr(0, ply.find("end_header")));
+  for (std::string line; std::getline(header, line);) EXPECT_LT(line.size(), 1000U);
+  const AnimatedMesh back = read_animation(formats(), folder.path() / "a.ply");
+  test::expect_same_description(mesh, back);
+  EXPECT_EQ(back.provenance.command, mesh.provenance.command);
+  EXPECT_EQ(back.provenance.options, mesh.provenance.options);
+  EXPECT_TRUE(std::ranges::equal(back.filled(), mesh.filled()));
+}
 
 TEST(Formats, SequencesAreNumberedByTheTakesFrames) {
   const AnimatedMesh mesh = random_animation(3, 3, 3);

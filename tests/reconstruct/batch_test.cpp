@@ -79,6 +79,10 @@ TEST(BatchManifest, BadOnesAreRefusedWithLineAndReason) {
   const std::string same = complaint_of("a.csv", "session\na/x.c3d\nb/x.c3d\n");
   EXPECT_NE(same.find("line 3"), std::string::npos) << same;
   EXPECT_NE(same.find("also that of line 2"), std::string::npos) << same;
+  // Their summaries and reports would be the same files.
+  EXPECT_NE(complaint_of("a.csv", "session,output\na.c3d,m.glb\nb.c3d,n/../m_####.obj\n")
+                .find("also that of line 2"),
+            std::string::npos);
   EXPECT_NE(complaint_of("a.csv", "session,topology\na.c3d,b.ply\nb.c3d,a.ply\n").find("circle"),
             std::string::npos);
   EXPECT_NE(complaint_of("a.csv", "session,topology\na.c3d,a.ply\n").find("circle"),
@@ -105,6 +109,20 @@ TEST(BatchJournal, KnowsWhatIsFinishedAndTrustsNothingElse) {
   again.note({.output = "c", .key = "k", .files = {{mesh.string(), 4}}});
   EXPECT_NE(BatchJournal(file, true).finished("c", "k"), nullptr);
   EXPECT_EQ(BatchJournal(file, false).finished("a", "k"), nullptr);
+}
+
+TEST(BatchJournal, ItsPathsAreRelativeToItsFolderSoThatBothCanMove) {
+  const TemporaryFolder folder;
+  const fs::path old = folder.path() / "old";
+  fs::create_directories(old / "sub");
+  write_file(old / "sub/a.ply", "mesh");
+  BatchJournal journal(old / "journal", true);
+  EXPECT_EQ(journal.name_of(old / "x/../sub/a.ply"), "sub/a.ply");
+  EXPECT_EQ(journal.name_of(fs::proximate(old / "sub/a.ply")), "sub/a.ply");
+  journal.note({.output = "sub/a.ply", .key = "k", .files = {{"sub/a.ply", 4}}});
+  fs::rename(old, folder.path() / "new");
+  const BatchJournal moved(folder.path() / "new/journal", true);
+  EXPECT_NE(moved.finished("sub/a.ply", "k"), nullptr);
 }
 
 TEST(BatchJournal, TheKeyChangesWithContentOptionsAndProgram) {

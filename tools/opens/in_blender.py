@@ -3,12 +3,14 @@
 blender -b --factory-startup -P in_blender.py -- JOBS.json ANSWERS.json
 JOBS: list of {"kind", "path", "files", "frames", "rate"}; positions are as Blender's world has them.
 """
-import json
+import os
 import sys
-import traceback
 
 import bpy
 import numpy
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import answers  # noqa: E402
 
 # Debian's Blender 3.4 imports glTF with a name that Debian's NumPy has dropped.
 numpy.bool = bool
@@ -76,17 +78,4 @@ LOADERS = {"ply": lambda j: each(j, load_ply), "ply ascii": lambda j: each(j, lo
            "obj": lambda j: each(j, load_obj), "ply+pc2": lambda j: cached(j, "PC2"), "mdd": lambda j: cached(j, "MDD"),
            "glb": imported, "gltf": imported}
 
-answers = {}
-with open(jobs_path) as file:
-    jobs = json.load(file)
-for job in jobs:
-    if job["kind"] not in LOADERS:
-        continue
-    try:
-        empty(job["rate"])
-        answers[job["kind"]] = {"positions": LOADERS[job["kind"]](job)}
-    except Exception as error:
-        traceback.print_exc()
-        answers[job["kind"]] = {"error": str(error)}
-with open(answers_path, "w") as file:
-    json.dump({"version": bpy.app.version_string, "answers": answers}, file)
+answers.write(jobs_path, answers_path, bpy.app.version_string, LOADERS, before=lambda job: empty(job["rate"]))

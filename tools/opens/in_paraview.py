@@ -2,13 +2,14 @@
 
 pvpython in_paraview.py JOBS.json ANSWERS.json; JOBS as for in_blender.py.
 """
-import json
 import os
 import shutil
 import sys
-import traceback
 
 from paraview import servermanager, simple
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import answers  # noqa: E402
 
 simple._DisableFirstRenderCameraReset()
 jobs_path, answers_path = sys.argv[1:3]
@@ -76,16 +77,4 @@ LOADERS = {"vtp": lambda j: each(j, vtp), "pvd": pvd, "ply": lambda j: each(j, p
            "ply big-endian": lambda j: each(j, ply),
            "obj": lambda j: each(j, lambda p: simple.WavefrontOBJReader(FileName=p)), "glb": gltf, "gltf": gltf, "csv": csv}
 
-answers = {}
-with open(jobs_path) as file:
-    jobs = json.load(file)
-for job in jobs:
-    if job["kind"] not in LOADERS:
-        continue
-    try:
-        answers[job["kind"]] = {"positions": LOADERS[job["kind"]](job)}
-    except Exception as error:
-        traceback.print_exc()
-        answers[job["kind"]] = {"error": str(error)}
-with open(answers_path, "w") as file:
-    json.dump({"version": str(servermanager.vtkSMProxyManager.GetParaViewSourceVersion()), "answers": answers}, file)
+answers.write(jobs_path, answers_path, str(servermanager.vtkSMProxyManager.GetParaViewSourceVersion()), LOADERS)

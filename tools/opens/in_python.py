@@ -2,9 +2,9 @@
 
 python3 in_python.py trimesh|meshio JOBS.json ANSWERS.json
 """
-import json
 import sys
-import traceback
+
+import answers
 
 library, jobs_path, answers_path = sys.argv[1:4]
 
@@ -26,16 +26,4 @@ if library == "trimesh":
 else:
     import meshio
     version, load, kinds = meshio.__version__, with_meshio, ("ply", "ply ascii", "ply big-endian", "obj", "off")
-answers = {}
-with open(jobs_path) as file:
-    jobs = json.load(file)
-for job in jobs:
-    if job["kind"] not in kinds:
-        continue
-    try:
-        answers[job["kind"]] = {"positions": [load(path) for path in job["files"]]}
-    except Exception as error:
-        traceback.print_exc()
-        answers[job["kind"]] = {"error": str(error)}
-with open(answers_path, "w") as file:
-    json.dump({"version": version, "answers": answers}, file)
+answers.write(jobs_path, answers_path, version, {kind: lambda job: [load(path) for path in job["files"]] for kind in kinds})
