@@ -158,6 +158,9 @@ TEST(Convert, TheFilledSamplesOfPlyAndPc2AreMarkedToo) {
   std::size_t marked = 0;
   for (const uint8_t filled : sample.mesh.filled()) marked += filled;
   EXPECT_EQ(marked, sample.summary["quality"]["filled_samples"].get<std::size_t>());
+  // Of these samples it is not kept how uncertain they are, which is said.
+  EXPECT_EQ(sample.summary["written"]["format"], "ply+pc2");
+  EXPECT_EQ(sample.summary["written"]["not_kept"], Json::array({"uncertainty"}));
 }
 
 TEST(Convert, OptionsAreDumpedWithoutASession) {

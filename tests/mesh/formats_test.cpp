@@ -50,6 +50,11 @@ TEST_P(RoundTrip, GivesBackWhatTheFormatKeeps) {
   test::expect_same_positions(mesh, back);
   test::expect_same_description(mesh, back);
   const Keeps& keeps = formats().find(result.format)->keeps;
+  const auto lost = [&result](const char* what) {
+    return std::ranges::count(result.report.lost, what) == 1;
+  };
+  EXPECT_NE(lost("filled flags"), keeps.filled);
+  EXPECT_NE(lost("uncertainty"), keeps.uncertainty);
   const auto same = [](auto a, auto b) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end());
   };
