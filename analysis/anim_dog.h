@@ -46,7 +46,7 @@ struct DetectOptions {
   /// of the duration) are left out; 0 keeps them.
   double apart = 0.05;
   double apart_time = 0.05;
-  double threshold = 0.0;     ///< least response, as a part of the strongest
+  double threshold = 0.02;    ///< least response, as a part of the strongest
   int strongest = 30;         ///< as many features at most; 0: all
   double memory_mb = 1000.0;  ///< for the scale space; what does not fit is done in tiles
 

@@ -42,27 +42,26 @@ std::vector<double> gaussian(double deviation) {
   return weights;
 }
 
-/// Reads positions relative to each frame's centroid, smoothed over time.
+/// Reads positions relative to each frame's centroid, smoothed over time. Frames are turned onto
+/// `still` before: the mean of a turning body is smaller than the body.
 class Positions {
  public:
-  Positions(const AnimatedMesh& animation, double smoothing)
+  Positions(const AnimatedMesh& animation, double smoothing, std::size_t still)
       : animation_(animation), kernel_(gaussian(smoothing)) {
     for (std::size_t f = 0; f < animation.frame_count(); ++f) {
       centres_.push_back(animation.frame(f).cast<double>().colwise().mean().transpose());
     }
+    turns_.assign(animation.frame_count(), Eigen::Matrix3d::Identity());
+    if (reach() == 0 || still >= animation.frame_count()) return;
+    const Eigen::MatrixX3d onto =
+        animation.frame(still).cast<double>().rowwise() - centres_[still].transpose();
+    for (std::size_t f = 0; f < animation.frame_count(); ++f) {
+      if (f != still) turns_[f] = turn_of(f, onto);
+    }
   }
 
   Eigen::Vector3d at(std::size_t frame, VertexIndex v) const {
-    const auto last = static_cast<std::ptrdiff_t>(animation_.frame_count()) - 1;
-    const auto reach = static_cast<std::ptrdiff_t>(kernel_.size() / 2);
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (std::ptrdiff_t i = -reach; i <= reach; ++i) {
-      const auto f = static_cast<std::size_t>(
-          std::clamp<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(frame) + i, 0, last));
-      sum += kernel_[static_cast<std::size_t>(i + reach)] *
-             (animation_.position(f, v).cast<double>() - centres_[f]);
-    }
-    return sum;
+    return smoothed(frame, [&](std::size_t f) { return raw(f, v); });
   }
 
   void fill(Block& block, std::size_t first, std::size_t frames, const RunContext& ctx) const {
@@ -70,8 +69,19 @@ class Positions {
     block.positions.resize(3 * animation_.vertex_count() * frames);
     parallel_for(ctx, animation_.vertex_count(), vertex_grain, [&](std::size_t v) {
       float* row = block.positions.data() + 3 * v * frames;
+      // Each position is read once, however wide the kernel.
+      thread_local std::vector<Eigen::Vector3d> read;
+      const std::size_t begin = first - std::min(first, reach());
+      const std::size_t end = std::min(first + frames + reach(), animation_.frame_count());
+      read.clear();
+      for (std::size_t f = begin; f < end; ++f) {
+        read.push_back(raw(f, static_cast<VertexIndex>(v)));
+      }
       for (std::size_t f = 0; f < frames; ++f) {
-        const Eigen::Vector3f p = at(first + f, static_cast<VertexIndex>(v)).cast<float>();
+        const Eigen::Vector3f p =
+            smoothed(
+                first + f, [&](std::size_t g) -> const auto& { return read[g - begin]; })
+                .cast<float>();
         for (std::size_t axis = 0; axis < 3; ++axis) {
           row[axis * frames + f] = p[static_cast<Eigen::Index>(axis)];
         }
@@ -80,9 +90,40 @@ class Positions {
   }
 
  private:
+  std::size_t reach() const { return kernel_.size() / 2; }
+  Eigen::Vector3d raw(std::size_t frame, VertexIndex v) const {
+    return turns_[frame] * (animation_.position(frame, v).cast<double>() - centres_[frame]);
+  }
+  /// The rotation that lays a frame over these centred positions best (Kabsch 1976).
+  Eigen::Matrix3d turn_of(std::size_t frame, const Eigen::MatrixX3d& onto) const {
+    const Eigen::MatrixX3d here =
+        animation_.frame(frame).cast<double>().rowwise() - centres_[frame].transpose();
+    const Eigen::Matrix3d covariance = here.transpose() * onto;
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance,
+                                                Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Eigen::Vector3d signs = Eigen::Vector3d::Ones();
+    if ((svd.matrixV() * svd.matrixU().transpose()).determinant() < 0.0) signs[2] = -1.0;
+    return svd.matrixV() * signs.asDiagonal() * svd.matrixU().transpose();
+  }
+  /// Over the frames that there are: repeating the first and last would keep their noise.
+  template <class Read>
+  Eigen::Vector3d smoothed(std::size_t frame, Read read) const {
+    const std::size_t begin = frame - std::min(frame, reach());
+    const std::size_t end = std::min(frame + reach() + 1, animation_.frame_count());
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    double weights = 0.0;
+    for (std::size_t f = begin; f < end; ++f) {
+      const double weight = kernel_[f + reach() - frame];
+      weights += weight;
+      sum += weight * read(f);
+    }
+    return sum / weights;
+  }
+
   const AnimatedMesh& animation_;
   std::vector<double> kernel_;
   std::vector<Eigen::Vector3d> centres_;
+  std::vector<Eigen::Matrix3d> turns_;
 };
 
 std::vector<Eigen::Vector3d> pose_of(const Positions& positions, std::size_t frame,
@@ -153,7 +194,7 @@ struct Stage {
   const RunContext& ctx;
   strain::Stencils stencils;        // of the ball, or of the 1-ring for directions
   strain::RestTriangles triangles;  // of the thesis' strain
-  strain::EdgeLists edges;
+  VertexLists curvature_balls;
   std::vector<float> rest_curvature;
   float curvature_factor = 0.0F;  // α × unit of length
 };
@@ -168,7 +209,8 @@ void triangle_strain(const Stage& stage, const Block& block, std::size_t first,
     thread_local std::vector<float> tensor;
     tensor.resize(3 * frames);
     strain::stretch_of_face(stage.triangles, stage.topology, block, t, tensor.data());
-    strain::measure_row(tensor.data(), frames, stage.options.measure, &of_face[t * frames]);
+    strain::measure_row(tensor.data(), frames, stage.options.measure,
+                        static_cast<float>(stage.options.root_floor), &of_face[t * frames]);
   });
   parallel_for(stage.ctx, values.vertex_count, vertex_grain, [&](std::size_t v) {
     float* out = values.of(v).data() + first;
@@ -191,7 +233,7 @@ void ball_strain(const Stage& stage, const Block& block, std::size_t first, Vert
     tensor.resize(3 * block.stride);
     strain::stretch_of_vertex(stage.stencils, block, v, tensor.data());
     strain::measure_row(tensor.data(), block.stride, stage.options.measure,
-                        values.of(v).data() + first);
+                        static_cast<float>(stage.options.root_floor), values.of(v).data() + first);
   });
 }
 
@@ -199,13 +241,13 @@ void ball_strain(const Stage& stage, const Block& block, std::size_t first, Vert
 std::vector<float> curvature_of(const Stage& stage, const Block& block) {
   const std::size_t frames = block.stride, count = stage.topology.vertex_count();
   std::vector<float> bend, area, curvature(count * frames, 0.0F);
-  strain::bend_of_edges(stage.topology, block, bend, area, stage.ctx);
+  strain::bend_at_vertices(stage.topology, block, bend, area, stage.ctx);
   parallel_for(stage.ctx, count, vertex_grain, [&](std::size_t v) {
     thread_local std::vector<float> total;
     total.assign(frames, 0.0F);
     float* out = &curvature[v * frames];
-    for (std::size_t i = stage.edges.offsets[v]; i < stage.edges.offsets[v + 1]; ++i) {
-      const std::size_t row = stage.edges.items[i] * frames;
+    for (const VertexIndex j : stage.curvature_balls.of(v)) {
+      const std::size_t row = j * frames;
       for (std::size_t f = 0; f < frames; ++f) {
         out[f] += bend[row + f];
         total[f] += area[row + f];
@@ -263,12 +305,11 @@ Stage make_stage(const AnimatedMesh& animation, const DeformationOptions& option
   if (ball || options.directions) {
     const double radius = ball ? options.strain_radius * result.root_area_mm : 0.0;
     stage.stencils = strain::make_stencils(topology, result.rest,
-                                           surface_balls(topology, result.rest, radius, ctx), ctx);
+                                           sampled_balls(topology, result.rest, radius, ctx), ctx);
   }
   if (options.curvature_weight > 0.0) {
-    const VertexLists balls =
+    stage.curvature_balls =
         surface_balls(topology, result.rest, options.curvature_radius * result.root_area_mm, ctx);
-    stage.edges = strain::edges_within(topology, balls, ctx);
     stage.rest_curvature = curvature_of(stage, rest_block(result.rest));
     stage.curvature_factor =
         static_cast<float>(options.curvature_weight * (options.curvature_unit == CurvatureUnit::edge
@@ -318,9 +359,13 @@ void DeformationOptions::declare(ParameterSet& p) {
            {{StrainMeasure::lambda, "lambda", "largest eigenvalue of FᵀF (1 at rest)"},
             {StrainMeasure::green, "green", "(lambda − 1) / 2"},
             {StrainMeasure::log, "log", "½ ln lambda"},
-            {StrainMeasure::root_log, "root-log", "√(½ ln lambda)"},
+            {StrainMeasure::root_log, "root-log", "√(½ ln lambda + floor) − √floor"},
             {StrainMeasure::log_norm, "log-norm", "stretch and shortening alike"}},
            "How strain is measured");
+  p.number("root-floor", root_floor,
+           {.min = 0.0,
+            .max = 1.0,
+            .help = "Strain up to which root-log grows evenly; without it noise counts much"});
   p.number("curvature-weight", curvature_weight,
            {.min = 0.0, .max = 1000.0, .help = "Weight of the change of curvature beside strain"});
   p.number("curvature-radius", curvature_radius,
@@ -333,10 +378,10 @@ void DeformationOptions::declare(ParameterSet& p) {
             {CurvatureUnit::root_area, "area", "times the root of the surface's area"}},
            "What makes curvature a pure number");
   p.number("position-smoothing", position_smoothing,
-           {.unit = "frames",
-            .min = 0.0,
-            .max = 100.0,
-            .help = "Standard deviation of a Gaussian over time that smooths the positions"});
+           {.min = 0.0,
+            .max = 0.5,
+            .help = "Standard deviation of a Gaussian over time that smooths the positions, as a "
+                    "part of the duration"});
   p.choice("rest", rest,
            {{RestPose::frame, "frame", "the frame --rest-frame"},
             {RestPose::mean, "mean", "the mean of all frames, laid over the first"}},
@@ -352,13 +397,14 @@ DeformationResult deformation_of(const AnimatedMesh& animation, const Deformatio
     throw NoResultError({.what = "the animation has no frames or no vertices"});
   }
   check_finite(animation);
-  const Positions positions(animation, options.position_smoothing);
+  const std::size_t frames = animation.frame_count();
+  const Positions positions(animation, options.position_smoothing * static_cast<double>(frames),
+                            static_cast<std::size_t>(std::max(options.rest_frame, 0)));
   DeformationResult result;
   result.rest = rest_pose(animation, positions, options, rest);
   describe_rest(animation.topology(), result);
   const Stage stage = make_stage(animation, options, result, ctx);
   result.degenerate_faces = stage.triangles.degenerate;
-  const std::size_t frames = animation.frame_count();
   result.values = VertexCurves(animation.vertex_count(), frames);
   if (options.directions) result.directions = Buffer<float>(3 * result.values.values.size());
   Block block;

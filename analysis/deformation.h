@@ -25,7 +25,7 @@ enum class StrainMeasure : uint8_t {
   lambda,    ///< λ₁, 1 at rest: the thesis
   green,     ///< (λ₁ − 1) / 2
   log,       ///< ½ ln λ₁, not below 0
-  root_log,  ///< √(½ ln λ₁)
+  root_log,  ///< √(½ ln λ₁ + floor) − √floor
   log_norm   ///< √((½ ln λ₁)² + (½ ln λ₂)²): stretch and shortening alike
 };
 enum class CurvatureUnit : uint8_t { edge, root_area };
@@ -33,12 +33,16 @@ enum class RestPose : uint8_t { frame, mean };
 
 struct DeformationOptions {
   StrainRegion region = StrainRegion::ball;
-  double strain_radius = 0.04;  ///< of the ball, in √area of the rest pose
+  double strain_radius = 0.08;  ///< of the ball, in √area of the rest pose
   StrainMeasure measure = StrainMeasure::root_log;
+  /// root_log is √(e + floor) − √floor: below the floor it grows with e, not with its root.
+  double root_floor = 0.02;
   double curvature_weight = 0.0;   ///< α
   double curvature_radius = 0.03;  ///< in √area of the rest pose
   CurvatureUnit curvature_unit = CurvatureUnit::root_area;
-  double position_smoothing = 0.0;  ///< standard deviation of a Gaussian over time, in frames
+  /// Standard deviation of a Gaussian over time that smooths the positions, as a part of the
+  /// duration.
+  double position_smoothing = 0.02;
   RestPose rest = RestPose::frame;
   int rest_frame = 0;       ///< 0-based
   bool directions = false;  ///< keep the direction of the largest stretch

@@ -53,6 +53,7 @@ void DetectOptions::declare(ParameterSet& p) {
 void set_thesis_preset(DeformationOptions& deformation, DetectOptions& detect) {
   deformation.region = StrainRegion::triangles;
   deformation.measure = StrainMeasure::lambda;
+  deformation.position_smoothing = 0.0;
   deformation.curvature_weight = 7.0;
   deformation.curvature_unit = CurvatureUnit::edge;
   detect.filter = SpatialFilter::ring;

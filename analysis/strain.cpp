@@ -171,7 +171,8 @@ void stretch_of_vertex(const Stencils& stencils, const Block& block, std::size_t
   }
 }
 
-void measure_row(const float* tensor, std::size_t frames, StrainMeasure measure, float* out) {
+void measure_row(const float* tensor, std::size_t frames, StrainMeasure measure, float floor,
+                 float* out) {
   for (std::size_t f = 0; f < frames; ++f) {
     const auto [first, second] = eigenvalues(tensor[f], tensor[frames + f], tensor[2 * frames + f]);
     switch (measure) {
@@ -179,7 +180,7 @@ void measure_row(const float* tensor, std::size_t frames, StrainMeasure measure,
       case StrainMeasure::green: out[f] = 0.5F * (first - 1.0F); break;
       case StrainMeasure::log: out[f] = std::max(half_log(first), 0.0F); break;
       case StrainMeasure::root_log:
-        out[f] = std::sqrt(std::max(half_log(first) - rounding, 0.0F));
+        out[f] = std::sqrt(std::max(half_log(first) - rounding, 0.0F) + floor) - std::sqrt(floor);
         break;
       case StrainMeasure::log_norm: out[f] = std::hypot(half_log(first), half_log(second)); break;
     }
@@ -223,39 +224,9 @@ void stretch_of_face(const RestTriangles& rest, const Topology& topology, const 
   }
 }
 
-EdgeLists edges_within(const Topology& topology, const VertexLists& balls, const RunContext& ctx) {
-  // Edges of a vertex by ascending other end, to look them up.
-  std::vector<std::vector<std::pair<VertexIndex, uint32_t>>> of_lower(topology.vertex_count());
-  for (std::size_t e = 0; e < topology.edge_count(); ++e) {
-    const Edge& edge = topology.edges()[e];
-    if (edge.boundary()) continue;
-    const auto [low, high] = std::minmax(edge.vertices[0], edge.vertices[1]);
-    of_lower[low].emplace_back(high, static_cast<uint32_t>(e));
-  }
-  constexpr std::size_t chunk = 512;
-  const std::size_t count = topology.vertex_count();
-  std::vector<std::vector<uint32_t>> parts((count + chunk - 1) / chunk);
-  EdgeLists lists;
-  lists.offsets.assign(count + 1, 0);
-  parallel_chunks(ctx, count, chunk, [&](std::size_t begin, std::size_t end) {
-    std::vector<std::size_t> inside(count, 0);
-    std::vector<uint32_t>& items = parts[begin / chunk];
-    for (std::size_t v = begin; v < end; ++v) {
-      const std::size_t before = items.size();
-      for (const VertexIndex j : balls.of(v)) inside[j] = v + 1;
-      for (const VertexIndex j : balls.of(v)) {
-        for (const auto& [other, edge] : of_lower[j]) {
-          if (inside[other] == v + 1) items.push_back(edge);
-        }
-      }
-      lists.offsets[v + 1] = items.size() - before;
-    }
-  });
-  std::partial_sum(lists.offsets.begin(), lists.offsets.end(), lists.offsets.begin());
-  for (const auto& part : parts) lists.items.insert(lists.items.end(), part.begin(), part.end());
-  return lists;
-}
+namespace {
 
+/// Dihedral angle × length and area of the edges, edges × stride floats each; 0 at the boundary.
 void bend_of_edges(const Topology& topology, const Block& block, std::vector<float>& bend,
                    std::vector<float>& area, const RunContext& ctx) {
   const std::size_t frames = block.stride;
@@ -280,6 +251,25 @@ void bend_of_edges(const Topology& topology, const Block& block, std::vector<flo
       bend[e * frames + f] = length * std::atan2(sine, cosine);
     }
   });
+}
+
+}  // namespace
+
+void bend_at_vertices(const Topology& topology, const Block& block, std::vector<float>& bend,
+                      std::vector<float>& area, const RunContext& ctx) {
+  const std::size_t frames = block.stride;
+  std::vector<float> edge_bend, edge_area;
+  bend_of_edges(topology, block, edge_bend, edge_area, ctx);
+  bend.assign(topology.vertex_count() * frames, 0.0F);
+  area.assign(topology.vertex_count() * frames, 0.0F);
+  for (std::size_t e = 0; e < topology.edge_count(); ++e) {
+    for (const VertexIndex v : topology.edges()[e].vertices) {
+      for (std::size_t f = 0; f < frames; ++f) {
+        bend[v * frames + f] += 0.5F * edge_bend[e * frames + f];
+        area[v * frames + f] += 0.5F * edge_area[e * frames + f];
+      }
+    }
+  }
 }
 
 }  // namespace kinemesh::strain

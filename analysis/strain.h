@@ -35,7 +35,8 @@ Stencils make_stencils(const Topology& topology, std::span<const Eigen::Vector3d
 void stretch_of_vertex(const Stencils& stencils, const Block& block, std::size_t vertex,
                        float* tensor);
 /// Strain of a row of tensors.
-void measure_row(const float* tensor, std::size_t frames, StrainMeasure measure, float* out);
+void measure_row(const float* tensor, std::size_t frames, StrainMeasure measure, float floor,
+                 float* out);
 
 /// Per triangle: the inverse of its rest edges in its plane (row-major 2 × 2), `valid` where it
 /// has area.
@@ -48,14 +49,10 @@ RestTriangles rest_triangles(const Topology& topology, std::span<const Eigen::Ve
 void stretch_of_face(const RestTriangles& rest, const Topology& topology, const Block& block,
                      std::size_t face, float* tensor);
 
-/// The edges of each vertex' ball.
-struct EdgeLists {
-  std::vector<uint64_t> offsets;
-  std::vector<uint32_t> items;
-};
-EdgeLists edges_within(const Topology& topology, const VertexLists& balls, const RunContext& ctx);
-/// Dihedral angle × length (mm), and the area of the edge (mm²): edges × stride floats each.
-void bend_of_edges(const Topology& topology, const Block& block, std::vector<float>& bend,
-                   std::vector<float>& area, const RunContext& ctx);
+/// Half of what the inner edges at each vertex contribute: dihedral angle × length (mm), and the
+/// area that belongs to them (mm²): vertices × stride floats each. Summed over a ball, an edge
+/// counts by half for each end inside, so that no direction is left out at the rim.
+void bend_at_vertices(const Topology& topology, const Block& block, std::vector<float>& bend,
+                      std::vector<float>& area, const RunContext& ctx);
 
 }  // namespace kinemesh::strain

@@ -3,9 +3,11 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
+#include <numbers>
 #include <numeric>
 
 #include "config/parallel.h"
+#include "mesh/surface_measures.h"
 
 namespace kinemesh {
 namespace {
@@ -58,10 +60,10 @@ class BallSearch {
   std::vector<std::pair<float, VertexIndex>> queue_;
 };
 
-}  // namespace
-
-VertexLists surface_balls(const Topology& topology, std::span<const Eigen::Vector3d> positions,
-                          double radius_mm, const RunContext& ctx) {
+/// Balls of the vertices with all that `keep` wants, and their centres.
+template <class Keep>
+VertexLists balls_of(const Topology& topology, std::span<const Eigen::Vector3d> positions,
+                     double radius_mm, Keep keep, const RunContext& ctx) {
   const std::size_t count = topology.vertex_count();
   // Few chunks, so that each search's workspace serves many vertices.
   const std::size_t chunk = std::max<std::size_t>(grain, (count + 31) / 32);
@@ -74,6 +76,10 @@ VertexLists surface_balls(const Topology& topology, std::span<const Eigen::Vecto
     for (std::size_t v = begin; v < end; ++v) {
       const std::size_t before = items.size();
       search.append(static_cast<VertexIndex>(v), radius_mm, items);
+      const auto first = items.begin() + static_cast<std::ptrdiff_t>(before);
+      items.erase(
+          std::remove_if(first, items.end(), [&](VertexIndex u) { return u != v && !keep(u); }),
+          items.end());
       lists.offsets[v + 1] = items.size() - before;
     }
   });
@@ -81,6 +87,33 @@ VertexLists surface_balls(const Topology& topology, std::span<const Eigen::Vecto
   lists.items.reserve(lists.offsets.back());
   for (const auto& part : parts) lists.items.insert(lists.items.end(), part.begin(), part.end());
   return lists;
+}
+
+/// Well-mixed bits of a vertex' index, so that a sample follows no order of the vertices.
+uint32_t mixed(uint32_t x) {
+  x = (x ^ (x >> 16U)) * 0x7feb352dU;
+  x = (x ^ (x >> 15U)) * 0x846ca68bU;
+  return x ^ (x >> 16U);
+}
+
+}  // namespace
+
+VertexLists surface_balls(const Topology& topology, std::span<const Eigen::Vector3d> positions,
+                          double radius_mm, const RunContext& ctx) {
+  return balls_of(
+      topology, positions, radius_mm, [](VertexIndex) { return true; }, ctx);
+}
+
+VertexLists sampled_balls(const Topology& topology, std::span<const Eigen::Vector3d> positions,
+                          double radius_mm, const RunContext& ctx) {
+  constexpr double wanted = 200.0;
+  double area = 0.0;
+  for (const double a : vertex_areas(topology, positions)) area += a;
+  const double density = area > 0.0 ? static_cast<double>(topology.vertex_count()) / area : 0.0;
+  const double inside = std::numbers::pi * radius_mm * radius_mm * density;
+  const auto step = static_cast<uint32_t>(std::max(1.0, std::round(inside / wanted)));
+  return balls_of(
+      topology, positions, radius_mm, [step](VertexIndex u) { return mixed(u) % step == 0; }, ctx);
 }
 
 }  // namespace kinemesh

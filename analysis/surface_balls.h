@@ -27,4 +27,10 @@ struct VertexLists {
 /// edge always belong.
 VertexLists surface_balls(const Topology& topology, std::span<const Eigen::Vector3d> positions,
                           double radius_mm, const RunContext& ctx = {});
+
+/// The same, but of large balls only a sample that is fixed for each vertex: about 200 to a ball,
+/// so that memory and time grow with the vertices and not with their square.
+VertexLists sampled_balls(const Topology& topology, std::span<const Eigen::Vector3d> positions,
+                          double radius_mm, const RunContext& ctx);
+
 }  // namespace kinemesh

@@ -3,16 +3,25 @@
 //   feature_figures pairs FIRST COUNT [others]   agreement of pairs of subjects; with other methods
 //   feature_figures noise COUNT                  repeatability under noise
 //   feature_figures descriptors FIRST COUNT      nearest neighbour by each descriptor
+//   feature_figures sweep FIRST COUNT            agreement and noise for each line of settings on
+//   stdin feature_figures bumps                        two bumps of different size, a travelling
+//   one feature_figures histograms ANIMATION         time of AnimMeshHoG for 200 features
 //   feature_figures cylinder                     the bending cylinders of figure 4-15
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
+#include <iostream>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <sstream>
 #include <string>
 
 #include "analysis/descriptors.h"
 #include "analysis/feature_consistency.h"
 #include "bench/feature_baselines.h"
+#include "mesh/formats/mesh_io.h"
 #include "tests/support/deforming_shapes.h"
 #include "tests/support/ict_performer.h"
 
@@ -108,34 +117,93 @@ void pairs(int first, int count, bool with_others) {
   }
 }
 
+/// Settings of both stages as name=value words; those after "|" are for noisy data only.
+struct Settings {
+  DeformationOptions deformation, noisy_deformation;
+  DetectOptions detect, noisy_detect;
+  explicit Settings(const std::string& line) {
+    ParameterSet clean, noisy;
+    deformation.declare(clean);
+    detect.declare(clean);
+    noisy_deformation.declare(noisy);
+    noisy_detect.declare(noisy);
+    std::istringstream words(line);
+    bool both = true;
+    for (std::string word; words >> word;) {
+      if (word == "|") both = false;
+      const std::size_t equals = word.find('=');
+      if (equals == std::string::npos) continue;
+      const std::string name = word.substr(0, equals), value = word.substr(equals + 1);
+      if (both) clean.find(name)->set({value});
+      noisy.find(name)->set({value});
+    }
+  }
+};
+
+AnimatedMesh with_noise(const AnimatedMesh& mesh, double diagonal, uint64_t seed) {
+  AnimatedMesh noisy = mesh;
+  std::mt19937_64 random(seed);
+  std::normal_distribution<float> normal(0.0F, static_cast<float>(0.001 * diagonal));
+  for (float& x : noisy.positions()) x += normal(random);
+  return noisy;
+}
+
+FeatureSet features_of(const AnimatedMesh& mesh, const DeformationOptions& deformation,
+                       const DetectOptions& detect) {
+  return detect_features(mesh, deformation_of(mesh, deformation), detect).set;
+}
+
 void noise(int count) {
   for (int i = 0; i < count; ++i) {
     const auto subject = static_cast<uint64_t>(700 + i), motion = static_cast<uint64_t>(1 + i % 3);
-    Take clean = take_of(subject, motion, 0);
-    for (const bool smooth : {false, true}) {
-      DeformationOptions options;
-      if (smooth) {
-        options.strain_radius = 0.06;
-        options.position_smoothing = 2.5;
-        clean.deformation = deformation_of(clean.performance.mesh, options);
-        clean.set = detect_features(clean.performance.mesh, clean.deformation).set;
-      }
-      Take noisy = clean;
-      std::mt19937_64 random(subject);
-      std::normal_distribution<float> normal(
-          0.0F, static_cast<float>(0.001 * clean.deformation.diagonal_mm));
-      for (float& x : noisy.performance.mesh.positions()) x += normal(random);
-      noisy.deformation = deformation_of(noisy.performance.mesh, options);
-      noisy.set = detect_features(noisy.performance.mesh, noisy.deformation).set;
-      const json row = compared(clean, clean.set, noisy, noisy.set);
-      std::printf("%s\n", json{{"subject", subject},
-                               {"smooth", smooth},
-                               {"strict", row["features"][0]},
-                               {"slack", row["features"][1]}}
-                              .dump()
-                              .c_str());
-      std::fflush(stdout);
+    const Take clean = take_of(subject, motion, 0);
+    Take noisy = clean;
+    noisy.performance.mesh =
+        with_noise(clean.performance.mesh, clean.deformation.diagonal_mm, subject);
+    noisy.set = features_of(noisy.performance.mesh, {}, {});
+    const json row = compared(clean, clean.set, noisy, noisy.set);
+    std::printf(
+        "%s\n",
+        json{{"subject", subject}, {"strict", row["features"][0]}, {"slack", row["features"][1]}}
+            .dump()
+            .c_str());
+    std::fflush(stdout);
+  }
+}
+
+void sweep(int first, int count) {
+  std::vector<std::array<Performance, 3>> takes;
+  const IctModel& model = ict_model();
+  for (int i = first; i < first + count; ++i) {
+    const auto motion = make_ict_motion(model, static_cast<uint64_t>(1 + i % 3));
+    const auto seed = static_cast<uint64_t>(100 + 2 * i);
+    const auto act = [&](uint64_t subject, std::size_t remeshed) {
+      return perform(model, {.seed = subject}, motion,
+                     {.remesh_vertices = remeshed, .seed = subject});
+    };
+    takes.push_back({act(seed, 0), act(seed + 1, 0), act(seed + 1, 5000)});
+  }
+  for (std::string line; std::getline(std::cin, line);) {
+    const Settings settings(line);
+    std::array<double, 8> sums{};
+    for (const auto& [a, b, c] : takes) {
+      const FeatureSet fa = features_of(a.mesh, settings.deformation, settings.detect);
+      const auto add = [&](std::size_t at, const Performance& other, const FeatureSet& found) {
+        const auto r = feature_consistency(fa, found, true_map(model, a, other),
+                                           other.mesh.mesh_at(0), {.trials = 1})
+                           .features;
+        sums[at] += r.strict / count;
+        sums[at + 1] += r.slack / count;
+        if (at < 6) sums[at + 2] += r.nearest / count;
+      };
+      add(0, b, features_of(b.mesh, settings.deformation, settings.detect));
+      add(3, c, features_of(c.mesh, settings.deformation, settings.detect));
+      Performance noisy{with_noise(a.mesh, fa.diagonal_mm, 7), a.on_model, a.head_pose};
+      add(6, noisy, features_of(noisy.mesh, settings.noisy_deformation, settings.noisy_detect));
     }
+    std::printf("%.3f/%.3f %.3f/%.3f %.3f/%.3f noise %.3f %.3f  %s\n", sums[0], sums[3], sums[1],
+                sums[4], sums[2], sums[5], sums[6], sums[7], line.c_str());
+    std::fflush(stdout);
   }
 }
 
@@ -180,27 +248,150 @@ void descriptors(int first, int count) {
   std::printf("%s\n", row.dump().c_str());
 }
 
-void cylinder() {
-  const std::array<std::array<double, 2>, 3> cases{{{2.5, 60}, {1.25, 60}, {2.5, 120}}};
-  for (const auto& [spacing, rate] : cases) {
-    const BendingCylinder shape = bending_cylinder(spacing, rate);
-    DetectOptions detect;
-    detect.strongest = 8;
-    const auto deformation = deformation_of(shape.mesh);
-    const auto found = detect_features(shape.mesh, deformation, detect);
-    json features = json::array();
-    for (const Feature& f : found.set.features) {
-      features.push_back({{"height_mm", deformation.rest[f.vertex].y() - deformation.rest[0].y()},
-                          {"side_mm", deformation.rest[f.vertex].x()},
-                          {"time_s", f.time_s},
-                          {"sigma_mm", f.sigma_mm},
-                          {"tau_s", f.tau_s},
-                          {"response", f.response}});
-    }
-    std::printf(
-        "%s\n",
-        json{{"spacing_mm", spacing}, {"rate_hz", rate}, {"features", features}}.dump().c_str());
+/// Features with where they lie in the rest pose of the untransformed shape.
+struct Found {
+  FeatureSet set;
+  std::vector<Eigen::Vector3d> at;
+  double edge_mm = 0, duration_s = 0;
+};
+
+/// Of positions that were turned and scaled: `back` undoes it.
+Found found_in(const AnimatedMesh& mesh, const Eigen::Matrix3d& back, double scale) {
+  const DeformationResult d = deformation_of(mesh);
+  Found found{detect_features(mesh, d).set, {}, d.mean_edge_mm / scale, mesh.duration_s()};
+  for (Feature& f : found.set.features) {
+    found.at.push_back(back * d.rest[f.vertex] / scale);
+    f.sigma_mm /= scale;
   }
+  return found;
+}
+
+/// The most features of both that lie within an edge and 5 % of the duration of each other, over
+/// the larger count; each the nearest free one of the other.
+double same_set(const Found& a, const Found& b) {
+  std::vector<char> taken(b.at.size(), 0);
+  int pairs = 0;
+  for (std::size_t i = 0; i < a.at.size(); ++i) {
+    std::size_t best = b.at.size();
+    double least = std::max(a.edge_mm, b.edge_mm);
+    for (std::size_t j = 0; j < b.at.size(); ++j) {
+      const double time = std::abs(a.set.features[i].time_s - b.set.features[j].time_s);
+      const double r = (a.at[i] - b.at[j]).norm();
+      if (taken[j] != 0 || time > 0.05 * a.duration_s || r > least) continue;
+      least = r;
+      best = j;
+    }
+    if (best == b.at.size()) continue;
+    taken[best] = 1;
+    ++pairs;
+  }
+  return pairs / std::max(1.0, static_cast<double>(std::max(a.at.size(), b.at.size())));
+}
+
+void cylinder() {
+  const Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(1.1, Eigen::Vector3d(1, -2, 0.5).normalized()).toRotationMatrix();
+  struct Case {
+    const char* name;
+    double spacing, rate, scale;
+    bool moved;
+  };
+  Found first;
+  for (const Case& c :
+       {Case{"as it is", 2.5, 60, 1, false}, Case{"double density", 1.25, 60, 1, false},
+        Case{"double rate", 2.5, 120, 1, false}, Case{"turned and moved", 2.5, 60, 1, true},
+        Case{"scaled by 1000", 2.5, 60, 1000, false}}) {
+    BendingCylinder shape = bending_cylinder(c.spacing, c.rate);
+    for (std::size_t f = 0; f < shape.mesh.frame_count(); ++f) {
+      for (VertexIndex v = 0; v < shape.mesh.vertex_count(); ++v) {
+        auto p = shape.mesh.position(f, v);
+        if (c.moved) p = (turn.cast<float>() * p + Eigen::Vector3f(300, -500, 800)).eval();
+        p *= static_cast<float>(c.scale);
+      }
+    }
+    const Found found = found_in(
+        shape.mesh, c.moved ? Eigen::Matrix3d(turn.transpose()) : Eigen::Matrix3d::Identity(),
+        c.scale);
+    if (first.at.empty()) first = found;
+    // The joint's surface is stretched most on its outer side, at x = −10 mm; rest is centred.
+    json joints = json::array();
+    for (std::size_t j = 0; j < 2; ++j) {
+      const double height = shape.joint_height_mm[j] - 60.0;
+      std::size_t best = 0;
+      for (std::size_t i = 1; i < found.at.size(); ++i) {
+        const auto score = [&](std::size_t k) {
+          return std::abs(found.at[k].y() - height) / 20.0 +
+                 std::abs(found.set.features[k].time_s - shape.joint_time_s[j]);
+        };
+        if (score(i) < score(best)) best = i;
+      }
+      if (found.at.empty()) break;
+      const Feature& f = found.set.features[best];
+      joints.push_back({{"off_sigma", std::abs(found.at[best].y() - height) / f.sigma_mm},
+                        {"off_time", std::abs(f.time_s - shape.joint_time_s[j]) / 2.0},
+                        {"rank", best},
+                        {"sigma_mm", f.sigma_mm},
+                        {"tau_s", f.tau_s}});
+    }
+    std::printf("%s\n", json{{"case", c.name},
+                             {"features", found.at.size()},
+                             {"joints", joints},
+                             {"same_set", same_set(first, found)}}
+                            .dump()
+                            .c_str());
+  }
+}
+
+/// Bumps that rise out of a sheet: the strongest feature near each.
+void bump_figures() {
+  const auto sheet = make_sheet(300, 300, 4, 3);
+  const std::vector<std::pair<const char*, std::vector<Bump>>> cases{
+      {"two sizes", {{{75, 85}, 8, 0.6, 0.1, 6}, {{210, 190}, 16, 1.3, 0.2, 12}}},
+      {"travelling", {{{140, 150}, 12, 1.0, 0.25, 9, {60, 0}}}}};
+  for (const auto& [name, all] : cases) {
+    const AnimatedMesh mesh = test::bumps(sheet, all, 2.0, 60);
+    const DeformationResult d = deformation_of(mesh);
+    const auto features = detect_features(mesh, d).set.features;
+    for (const Bump& b : all) {
+      const auto off = [&](const Feature& f) {
+        const Eigen::Vector2d centre = b.centre + b.velocity * (f.time_s - b.time_s);
+        return (sheet.positions[f.vertex].head<2>() - centre).norm() / b.sigma_mm;
+      };
+      const auto hit = std::find_if(features.begin(), features.end(), [&](const Feature& f) {
+        return off(f) <= 2.0 && std::abs(f.time_s - b.time_s) <= 0.2;
+      });
+      if (hit == features.end()) {
+        std::printf("%s\n", json{{"case", name}, {"found", false}}.dump().c_str());
+        continue;
+      }
+      std::printf("%s\n", json{{"case", name},
+                               {"found", true},
+                               {"rank", hit - features.begin()},
+                               {"off_sigma", off(*hit)},
+                               {"off_time", std::abs(hit->time_s - b.time_s) / 2.0},
+                               {"bump_sigma_mm", b.sigma_mm},
+                               {"sigma_mm", hit->sigma_mm},
+                               {"tau_s", hit->tau_s}}
+                              .dump()
+                              .c_str());
+    }
+  }
+}
+
+/// AnimMeshHoG of 200 features of an animation: seconds of processor time.
+void histograms(const std::string& path) {
+  const AnimatedMesh mesh = read_animation(builtin_mesh_formats(), path);
+  const DeformationResult d = deformation_of(mesh);
+  DetectOptions options;
+  options.strongest = 200;
+  options.threshold = options.apart = options.apart_time = 0.0;
+  FeatureSet set = detect_features(mesh, d, options).set;
+  RunContext ctx;
+  ctx.set_threads(2);
+  const std::clock_t begin = std::clock();
+  describe_features(set, mesh, d, {}, ctx);
+  const double cpu = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  std::printf("%s\n", json{{"features", set.features.size()}, {"cpu_s", cpu}}.dump().c_str());
 }
 
 }  // namespace
@@ -212,12 +403,18 @@ int main(int argc, char** argv) {
   };
   if (what == "pairs") {
     pairs(number(2, 20), number(3, 20), argc > 4);
+  } else if (what == "sweep") {
+    sweep(number(2, 20), number(3, 6));
   } else if (what == "noise") {
     noise(number(2, 3));
   } else if (what == "descriptors") {
     descriptors(number(2, 20), number(3, 6));
   } else if (what == "cylinder") {
     cylinder();
+  } else if (what == "bumps") {
+    bump_figures();
+  } else if (what == "histograms") {
+    histograms(argc > 2 ? argv[2] : "");
   } else {
     std::printf("feature_figures pairs|noise|descriptors|cylinder …\n");
     return 2;
