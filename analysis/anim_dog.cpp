@@ -185,7 +185,11 @@ bool lowest_around(const Detector& d, const TileLevels& tile, const dog::TimeKer
   const std::size_t high = std::min<std::size_t>(hit.frame + 1, tile.frame_count - 1);
   for (const std::size_t frame : {static_cast<std::size_t>(hit.frame), low, high}) {
     for (const uint32_t* n = first; n != last; ++n) {
-      if (!(at(tile.slot_of[*n], frame) > here)) return false;
+      const float there = at(tile.slot_of[*n], frame);
+      // Of neighbours that rounding makes equal the first counts: on a symmetric mesh the lowest
+      // place may lie just between two vertices.
+      const bool tie = there == here && frame == hit.frame && *n > row;
+      if (!(there > here) && !tie) return false;
     }
   }
   response = -here;
