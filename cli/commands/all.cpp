@@ -21,6 +21,7 @@ std::vector<CommandSpec> all_commands() {
       geodesics_command(),
       align_command(),
       match_command(),
+      correspond_command(),
       solve_matching_command(),
       deformation_command(),
       features_command(),

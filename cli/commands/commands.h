@@ -17,6 +17,7 @@ CommandSpec c3d_info_command();
 CommandSpec c3d_process_command();
 CommandSpec c3d_quality_command();
 CommandSpec convert_command();
+CommandSpec correspond_command();
 CommandSpec deformation_command();
 CommandSpec evaluate_features_command();
 CommandSpec express_command();
