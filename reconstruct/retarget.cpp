@@ -84,7 +84,6 @@ class Transfer {
            const Points& target_rest, std::vector<FaceIndex> from)
       : source_(source),
         target_(target),
-        source_rest_(source_rest),
         target_rest_(target_rest),
         from_(std::move(from)) {
     for (FaceIndex f = 0; f < source.face_count(); ++f) {
@@ -171,7 +170,7 @@ class Transfer {
   }
 
   const Topology &source_, &target_;
-  const Points &source_rest_, &target_rest_;
+  const Points& target_rest_;
   std::vector<FaceIndex> from_;
   std::vector<Matrix3d> inverses_;
   Eigen::SimplicialLDLT<Sparse> solver_;
