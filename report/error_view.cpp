@@ -55,7 +55,8 @@ Canvas draw_error_view(const std::vector<ErrorPanel>& panels, const ErrorViewOpt
   const ColourScale scale = scale_of(panels, options);
   for (std::size_t i = 0; i < panels.size(); ++i) {
     const double x = margin + static_cast<double>(i % columns) * (panel_width + margin);
-    const double y = heading + static_cast<double>(i / columns) * row_height;
+    const std::size_t row = i / columns;
+    const double y = heading + static_cast<double>(row) * row_height;
     Scene scene;
     scene.meshes.push_back({panels[i].topology, panels[i].positions});
     scene.meshes.back().values = panels[i].values;

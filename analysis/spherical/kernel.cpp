@@ -81,7 +81,7 @@ class LargestCircle {
 
   Eigen::Vector3d exchange(Basis& basis, std::size_t entering) const {
     const std::array<std::size_t, 4> all{basis[0], basis[1], basis[2], entering};
-    const Eigen::Vector3d point = best_of(all);
+    Eigen::Vector3d point = best_of(all);
     // The side it is farthest from does not bind; the entering one stays.
     std::size_t leaving = 0;
     for (std::size_t k = 1; k < 3; ++k) {

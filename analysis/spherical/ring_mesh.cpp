@@ -112,7 +112,8 @@ bool RingMesh::can_collapse(VertexIndex v, VertexIndex w) const {
 void RingMesh::collapse(VertexIndex v, VertexIndex w) {
   std::vector<VertexIndex> ring = std::move(rings_[v]);
   rings_[v].clear();
-  std::ranges::rotate(ring, ring.begin() + static_cast<std::ptrdiff_t>(index_in(ring, w)));
+  std::rotate(ring.begin(), ring.begin() + static_cast<std::ptrdiff_t>(index_in(ring, w)),
+              ring.end());
   const std::size_t n = ring.size();  // ring[0] is w; ring[1] and ring[n - 1] see both
   for (const std::size_t i : {std::size_t{1}, n - 1}) {
     std::vector<VertexIndex>& other = rings_[ring[i]];
@@ -142,7 +143,8 @@ void RingMesh::restore() {
   const std::vector<VertexIndex>& ring = last.ring;
   const std::size_t n = ring.size();
   std::vector<VertexIndex>& onto = rings_[w];
-  std::ranges::rotate(onto, onto.begin() + static_cast<std::ptrdiff_t>(index_in(onto, ring[1])));
+  std::rotate(onto.begin(), onto.begin() + static_cast<std::ptrdiff_t>(index_in(onto, ring[1])),
+              onto.end());
   onto.erase(onto.begin() + 1, onto.begin() + static_cast<std::ptrdiff_t>(n - 2));
   onto.insert(onto.begin() + 1, v);
   for (std::size_t i = 2; i + 1 < n; ++i) {

@@ -28,7 +28,7 @@ void check_same(const Topology& basis, const AnimatedMesh& animation) {
 }
 
 std::vector<double> numbers_of(const std::filesystem::path& path, const NpzFile& file,
-                               const char* name, std::vector<std::size_t> shape) {
+                               const char* name, const std::vector<std::size_t>& shape) {
   const NpyArray& array = npz_array(file, name);
   if (array.shape != shape)
     malformed(path, std::string("the array '") + name + "' has the wrong shape");

@@ -136,9 +136,10 @@ TEST(SessionCsv, ErrorsNameFileLineAndMarker) {
   EXPECT_EQ(error("1.5,0,1,2,3\n"), "bad.csv: line 2: the frame number '1.5' is no whole number");
   EXPECT_EQ(error("1,late,1,2,3\n"), "bad.csv: line 2: the time 'late' is no number");
   EXPECT_EQ(error(""), "bad.csv: line 2: the table holds no frame");
-  EXPECT_EQ(
-      error("1,0,1,2,3\n"),
-      "bad.csv: line 2: the frame rate is not known. Export with the header or with a time column");
+  EXPECT_EQ(error("1,0,1,2,3\n"),
+            "bad.csv: line 2: the frame rate is not known. Say it with --rate, or export with the "
+            "header or with a time "
+            "column");
   EXPECT_EQ(error("1,0,1,2,3\n900000000000,9,1,2,3\n999000000000,19,1,2,3\n"),
             "bad.csv: line 4: frame 999000000000 follows far too late");
   EXPECT_EQ(error_of("# kinemesh points csv 1\n", read_session_csv),
