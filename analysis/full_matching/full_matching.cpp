@@ -14,7 +14,16 @@ namespace kinemesh {
 
 namespace {
 
-using namespace full_matching;
+using full_matching::channels;
+using full_matching::compare_signals;
+using full_matching::ComposedMap;
+using full_matching::first_loop;
+using full_matching::first_strain;
+using full_matching::Signal;
+using full_matching::SignalPair;
+using full_matching::start_rotation;
+using full_matching::SurfaceSignals;
+using full_matching::Target;
 
 constexpr std::size_t coarse_vertices = 150;
 constexpr double growth = 1.7;  // of the vertices from level to level
