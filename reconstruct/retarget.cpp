@@ -82,10 +82,7 @@ class Transfer {
  public:
   Transfer(const Topology& source, const Points& source_rest, const Topology& target,
            const Points& target_rest, std::vector<FaceIndex> from)
-      : source_(source),
-        target_(target),
-        target_rest_(target_rest),
-        from_(std::move(from)) {
+      : source_(source), target_(target), target_rest_(target_rest), from_(std::move(from)) {
     for (FaceIndex f = 0; f < source.face_count(); ++f) {
       const Triangle& t = source.faces()[f];
       const Matrix3d frame = frame_of(source_rest[t[0]], source_rest[t[1]], source_rest[t[2]]);
