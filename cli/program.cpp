@@ -4,6 +4,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <new>
 
 #include "cli/command_line.h"
@@ -120,6 +121,9 @@ int run_guarded(Program::Entry& entry, const std::string& command_line) {
   } catch (const Error& e) {
     console.error(e.what());
     return static_cast<int>(e.exit_code());
+  } catch (const std::filesystem::filesystem_error& e) {
+    console.error(e.path1().string() + ": " + e.code().message());
+    return static_cast<int>(ExitCode::invalid_input);
   } catch (const std::bad_alloc&) {
     console.error("not enough memory for this input");
   } catch (const std::exception& e) {
@@ -192,6 +196,8 @@ Program::Program()
 }
 
 int run_program(int argc, char** argv) {
+  // A limit on the size of files is then an error like a full disk.
+  std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGINT, [](int) { ::_exit(static_cast<int>(ExitCode::cancelled)); });
   try {
     Program program;

@@ -162,6 +162,18 @@ std::vector<fs::path> OutputSet::paths() const {
   return all;
 }
 
+void refuse_to_replace(const std::vector<fs::path>& inputs, const std::vector<fs::path>& outputs) {
+  for (const fs::path& output : outputs) {
+    for (const fs::path& input : inputs) {
+      std::error_code ignored;
+      if (input.empty() || output.empty() || !fs::equivalent(input, output, ignored)) continue;
+      throw UsageError({.what = "the output would replace the input",
+                        .file = output.string(),
+                        .remedy = "Give another name with -o"});
+    }
+  }
+}
+
 void write_file(const fs::path& path, std::string_view content) {
   OutputFile file(path);
   file.write(content);

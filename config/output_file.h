@@ -98,6 +98,11 @@ class OutputSet {
   std::vector<OutputFile> files_;
 };
 
+/// Throws UsageError when one of the outputs is one of the inputs, by whatever name: what was
+/// recorded is never replaced. Empty paths and files that do not exist are passed over.
+void refuse_to_replace(const std::vector<std::filesystem::path>& inputs,
+                       const std::vector<std::filesystem::path>& outputs);
+
 /// Writes a whole file atomically.
 void write_file(const std::filesystem::path& path, std::string_view content);
 

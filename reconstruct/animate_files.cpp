@@ -88,7 +88,8 @@ Canvas attachment_picture(const AnimateJob& job, const AnimateResult& r, const R
 Provenance provenance_of(const AnimateJob& job) {
   Provenance p{job.program, job.command, job.options_toml, {}, {}};
   for (const std::string& path : {job.scan, job.session, job.places}) {
-    if (!path.empty() && fs::is_regular_file(path))
+    std::error_code ignored;
+    if (!path.empty() && fs::is_regular_file(path, ignored))
       p.inputs.push_back({path, sha256_of_file(path)});
   }
   return p;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <set>
 
 #include "config/error.h"
 #include "config/text.h"
@@ -53,6 +54,19 @@ void stabilise(Working& working, const ConvertOptions& options, ConvertResult& r
   result.head_error_mm = steady.rms_error_mm;
   std::ranges::move(steady.warnings, std::back_inserter(result.warnings));
   working.take = std::move(steady.take);
+}
+
+/// One mesh over two heads is rarely meant.
+void warn_of_subjects(ConvertResult& result) {
+  std::set<std::string> subjects;
+  for (const Marker& marker : result.markers) {
+    if (!marker.subject.empty()) subjects.insert(marker.subject);
+  }
+  if (subjects.size() < 2) return;
+  const std::vector<std::string> names(subjects.begin(), subjects.end());
+  result.warnings.insert(result.warnings.begin(),
+                         "the mesh joins markers of " + count_of(names.size(), "subject") + " (" +
+                             join(names, ", ") + "): choose one with --subject");
 }
 
 /// A name or number that the take does not have is said before the work is done, not after it.
@@ -135,6 +149,7 @@ ConvertResult convert_session(const MarkerSequence& session, const ConvertOption
     result.gaps.push_back(find_gaps(working.take, v));
     result.gaps.back().marker = result.gaps.size() - 1;
   }
+  warn_of_subjects(result);
   const MarkerSequence faces = fill(working, options, result, ctx.part(0.15, 0.6, "filling gaps"));
   const RunContext meshing = ctx.part(0.6, 0.9, "triangulating");
   result.triangulation =

@@ -30,13 +30,18 @@ fs::path beside(const fs::path& stem, const std::string& suffix) {
   return stem.parent_path() / (stem.filename().string() + suffix);
 }
 
+bool is_file(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored);
+}
+
 Provenance provenance_of(const ConvertJob& job) {
   Provenance p;
   p.program = job.program;
   p.command = job.command;
   p.options = job.options_toml;
   p.inputs.push_back({job.session, sha256_of_file(job.session)});
-  if (!job.previous.empty() && fs::is_regular_file(job.previous)) {
+  if (!job.previous.empty() && is_file(job.previous)) {
     p.inputs.push_back({job.previous, sha256_of_file(job.previous)});
   }
   if (!job.edits.empty()) p.inputs.push_back({job.edits, sha256_of_file(job.edits)});
@@ -77,6 +82,7 @@ class Writer {
     if (options_.report) add_report(ctx.part(0.7, 1.0, "report"));
     files_.add(beside(stem_, "_summary.json"),
                summary_json(result_.session, result_.conversion, shown()));
+    refuse_to_replace({job_.session, job_.previous, job_.edits}, files_.paths());
     files_.commit();
   }
 
@@ -170,6 +176,7 @@ void ConvertFilesOptions::validate() const {
 ConvertFilesResult convert_files(const FormatRegistry& formats, const ConvertJob& job,
                                  const ConvertFilesOptions& options, const RunContext& ctx) {
   options.validate();
+  refuse_to_replace({job.session, job.previous, job.edits}, {job.output});
   ConvertFilesResult result;
   std::vector<std::string> findings;
   result.session =

@@ -48,7 +48,18 @@ std::vector<DirectedEdge> parse_edges(const MarkerSequence& take,
 
 EdgeConstraints named_constraints(const MarkerSequence& take, const std::vector<std::string>& edges,
                                   const std::vector<std::string>& no_edges) {
-  return {parse_edges(take, edges, "edge"), parse_edges(take, no_edges, "no-edge")};
+  EdgeConstraints constraints{parse_edges(take, edges, "edge"),
+                              parse_edges(take, no_edges, "no-edge")};
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    if (std::ranges::find(constraints.no_edges, constraints.edges[i]) ==
+        constraints.no_edges.end()) {
+      continue;
+    }
+    throw UsageError({.what = "--edge " + edges[i] + " is forbidden by --no-edge",
+                      .file = take.origin.path,
+                      .remedy = "Leave one of both out"});
+  }
+  return constraints;
 }
 
 EdgeConstraints renumbered(EdgeConstraints constraints, const std::vector<VertexIndex>& position) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string>
 
+#include "config/text.h"
+
 namespace kinemesh {
 namespace {
 
@@ -46,7 +48,11 @@ std::vector<Opening> name_loops(const Topology& topology, const Points& points,
 void add_warnings(TriangulateResult& result, const MarkerSequence& take) {
   TriangulateDiagnostics& d = result.diagnostics;
   const auto warn = [&d](std::string text) { d.warnings.push_back(std::move(text)); };
-  if (!result.all_measured) {
+  if (!result.all_measured && d.frames_measured > 0) {
+    warn("frame " + std::to_string(result.frame_number) +
+         ", as asked for, was triangulated with filled samples; in " +
+         count_of(d.frames_measured, "other frame") + " all markers are measured");
+  } else if (!result.all_measured) {
     warn("in no frame are all markers measured: frame " + std::to_string(result.frame_number) +
          " was triangulated with filled samples");
   }

@@ -98,7 +98,7 @@ bool is_sound(const std::byte* point, Processor p) {
     if (!std::isfinite(read_real(point + 4 * k, p))) return false;
   }
   const float word = read_real(point + 12, p);
-  return word >= -32768.0F && word <= 65535.0F;
+  return word > -1.0F && word < 32768.0F;
 }
 
 /// Marks points of a real-valued data section whose numbers make no sense as gaps.
@@ -113,7 +113,8 @@ std::size_t mark_gaps(std::string& data, const C3dReadResult& read) {
       char* point = data.data() + f * layout.frame_bytes + 16 * m;
       const auto* bytes = reinterpret_cast<const std::byte*>(point);
       const float word = read_real(bytes + 12, layout.processor);
-      if (word < 0.0F || is_sound(bytes, layout.processor)) continue;
+      const bool gap_already = (word <= -1.0F && word >= -32768.0F) || word == 65535.0F;
+      if (gap_already || is_sound(bytes, layout.processor)) continue;
       std::memcpy(point + 12, gap.data(), gap.size());
       ++marked;
     }

@@ -2,6 +2,7 @@
 #include "capture/formats/session_export.h"
 #include "capture/session.h"
 #include "cli/commands/commands.h"
+#include "config/output_file.h"
 #include "config/text.h"
 
 namespace kinemesh::cli {
@@ -24,11 +25,14 @@ CommandSpec c3d_export_command() {
             line.parameters([args](ParameterSet& p) { args->read.declare(p); });
             return [args](Terminal& terminal) {
               export_format_of(args->output);  // a wrong extension is said before the file is read
+              refuse_to_replace({args->file}, {args->output});
               const MarkerSequence take =
                   read_session(args->file, args->read, terminal.run.part(0, 0.5, "reading"));
               const SessionExportResult result =
                   export_session(take, args->output, terminal.run.part(0.5, 1.0, "writing"));
-              for (const auto& file : result.files) terminal.print("Wrote " + file.string());
+              for (const auto& file : result.files) {
+                if (!terminal.quiet) terminal.print("Wrote " + file.string());
+              }
               if (!result.left_out.empty()) {
                 terminal.print("This format cannot hold: " + join(result.left_out, ", ", " and "));
               }

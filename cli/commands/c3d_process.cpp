@@ -82,11 +82,7 @@ void write_take(const Arguments& args, const MarkerSequence& take, Terminal& ter
 
 ExitCode process(Arguments& args, Terminal& terminal) {
   if (!is_c3d(args.output)) export_format_of(args.output);  // said before the work is done
-  if (fs::exists(args.output) && fs::equivalent(args.file, args.output)) {
-    throw UsageError({.what = "the output would replace the original",
-                      .file = args.output,
-                      .remedy = "Give another name with -o"});
-  }
+  refuse_to_replace({args.file, args.edits}, {args.output});
   if (!args.clean.template_file.empty()) {
     args.clean.template_file = fs::absolute(args.clean.template_file).string();
   }

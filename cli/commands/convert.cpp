@@ -5,6 +5,7 @@
 #include "capture/formats/mesh_formats.h"
 #include "cli/commands/commands.h"
 #include "config/error.h"
+#include "config/output_file.h"
 #include "config/text.h"
 #include "config/version.h"
 #include "mesh/formats/mesh_io.h"
@@ -33,7 +34,8 @@ std::string written_text(const WrittenMesh& written) {
 /// An animated mesh rather than a recorded session, judged by its name. C3D, TRC and CSV hold both;
 /// they are sessions here.
 bool is_mesh(const FormatRegistry& formats, const std::string& input) {
-  if (std::filesystem::is_directory(input)) return true;
+  std::error_code ignored;
+  if (std::filesystem::is_directory(input, ignored)) return true;
   const Format* format = formats.reader_for(input);
   return format != nullptr && format->keeps.faces;
 }
@@ -52,8 +54,11 @@ ExitCode convert_mesh(const FormatRegistry& formats, const State& state, Termina
   const AnimationFile in =
       read_animation_file(formats, job.session, state.options.reading.c3d.unstated,
                           terminal.run.part(0.0, 0.5, "reading"));
-  const WriteResult out = write_animation(formats, in.mesh, job.output, state.options.writing,
-                                          terminal.run.part(0.5, 1.0, "writing"));
+  OutputSet pending;
+  const WriteResult out = add_animation(formats, in.mesh, job.output, state.options.writing,
+                                        pending, terminal.run.part(0.5, 1.0, "writing"));
+  refuse_to_replace(in.files, pending.paths());
+  pending.commit();
   const WrittenMesh written{.outputs = {out.files.begin(), out.files.end()},
                             .format = out.format,
                             .lost = out.report.lost,

@@ -158,7 +158,9 @@ void print_sequence(const MeshSequence& sequence, Terminal& terminal) {
 
 ExitCode show(const std::string& path, const ReadOptions& options, Terminal& terminal) {
   const FormatRegistry registry = all_formats();
-  const bool numbered = std::filesystem::is_directory(path) || path.find('#') != std::string::npos;
+  std::error_code ignored;
+  const bool numbered =
+      std::filesystem::is_directory(path, ignored) || path.find('#') != std::string::npos;
   if (numbered) {
     const MeshSequence sequence = read_mesh_sequence(registry, path, options, terminal.run);
     const auto differs = [&](const Mesh& m) { return m.topology != sequence.frames[0].topology; };

@@ -24,10 +24,11 @@ AnimatedMesh animation_of(const std::string& given, const std::string& features,
                           const FeatureSet& set, const ReadOptions& options,
                           const RunContext& ctx) {
   std::filesystem::path path = given;
+  std::error_code ignored;
   if (path.empty()) {
     path = std::filesystem::path(features).parent_path() / set.animation;
-    if (set.animation.empty() || !std::filesystem::exists(path)) path = set.animation;
-    if (path.empty() || !std::filesystem::exists(path)) {
+    if (set.animation.empty() || !std::filesystem::exists(path, ignored)) path = set.animation;
+    if (path.empty() || !std::filesystem::exists(path, ignored)) {
       throw UsageError({.what = "the animation of the features is not found",
                         .file = features,
                         .remedy = "Name both: kinemesh match FEATURES_A FEATURES_B ANIM_A ANIM_B"});

@@ -1,6 +1,7 @@
 // Choosing a format for an output path, and writing all of its files or none.
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <set>
@@ -113,6 +114,17 @@ FrameRange frame_range(const AnimatedMesh& mesh, const std::string& text) {
   return range;
 }
 
+/// Numbers the frames of a lower rate so that the first keeps its time; what rounding leaves goes
+/// to the events.
+void keep_time(const AnimatedMesh& mesh, const FrameRange& range, AnimatedMesh& out) {
+  const auto step = static_cast<double>(range.step);
+  const double number = static_cast<double>(out.first_frame - 1) / step;
+  out.first_frame = 1 + std::llround(number);
+  if (mesh.rate_hz <= 0) return;
+  const double later = (std::round(number) - number) * step / mesh.rate_hz;
+  for (Event& event : out.events) event.time_s += later;
+}
+
 /// A copy of the frames asked for, lengths multiplied by `factor`.
 AnimatedMesh converted(const AnimatedMesh& mesh, const FrameRange& range, double factor) {
   const std::size_t vertices = mesh.vertex_count();
@@ -120,6 +132,7 @@ AnimatedMesh converted(const AnimatedMesh& mesh, const FrameRange& range, double
                    mesh.rate_hz / static_cast<double>(range.step));
   out.first_frame = mesh.first_frame + static_cast<int64_t>(range.first);
   out.events = mesh.events;
+  if (range.step > 1) keep_time(mesh, range, out);
   out.vertex_names = mesh.vertex_names;
   out.provenance = mesh.provenance;
   if (!mesh.filled().empty()) out.add_filled();

@@ -225,6 +225,47 @@ TEST(Convert, AMeshIsWrittenInAnotherFormatWithTheUnitAndRateThatItDoesNotSay) {
   EXPECT_EQ(run({"-o", out, "--edits", "list.toml"}).exit_code, 2);
 }
 
+TEST(Convert, WhatWasRecordedIsNeverReplaced) {
+  const TemporaryFolder folder;
+  const fs::path session = folder.path() / "take.c3d";
+  fs::copy_file(test::sample_folder() / "anna_happy.c3d", session);
+  fs::create_hard_link(session, folder.path() / "same.c3d");
+  const std::string before = read_file(session);
+  for (const auto& command : {std::vector<std::string>{"convert"}, {"c3d", "process"}}) {
+    for (const char* output : {"take.c3d", "same.c3d"}) {
+      std::vector<std::string> words = command;
+      words.insert(words.end(), {session.string(), "-o", folder.path() / output});
+      const auto run = test::run_program(KINEMESH_PROGRAM, words);
+      EXPECT_EQ(run.exit_code, 2) << command.back() << " " << output;
+      EXPECT_NE(run.err.find("would replace the input"), std::string::npos) << run.err;
+    }
+  }
+  EXPECT_EQ(read_file(session), before);
+  std::ofstream(folder.path() / "m.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  const std::string mesh = folder.path() / "m.obj";
+  EXPECT_EQ(test::run_program(KINEMESH_PROGRAM, {"convert", mesh, "-o", mesh}).exit_code, 2);
+}
+
+TEST(Convert, UnreachableInputIsNoInternalError) {
+  const TemporaryFolder folder;
+  fs::create_symlink(folder.path() / "loop.c3d", folder.path() / "loop.c3d");
+  for (const std::string& path :
+       {(folder.path() / "loop.c3d").string(), std::string(300, 'x') + ".c3d"}) {
+    EXPECT_EQ(test::run_program(KINEMESH_PROGRAM, {"convert", path}).exit_code, 3) << path;
+    EXPECT_EQ(test::run_program(KINEMESH_PROGRAM, {"info", path}).exit_code, 3) << path;
+  }
+}
+
+TEST(Convert, ContradictionsAndTwoSubjectsAreSaid) {
+  const TemporaryFolder folder;
+  const std::string session = (test::sample_folder() / "anna_happy.c3d").string();
+  const auto run = test::run_program(
+      KINEMESH_PROGRAM, with_quick({"convert", session, "-o", folder.path() / "f.ply", "--edge",
+                                    "LCHK04:LCHK05", "--no-edge", "LCHK05:LCHK04"}));
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("forbidden by --no-edge"), std::string::npos) << run.err;
+}
+
 TEST(Convert, ErrorsNameFileAndRemedy) {
   const TemporaryFolder folder;
   const std::string session = (test::sample_folder() / "anna_happy.c3d").string();

@@ -111,6 +111,22 @@ TEST(Formats, SequencesAreNumberedByTheTakesFrames) {
             (std::vector{folder.path() / "b_000000.ply", folder.path() / "b_000001.ply"}));
 }
 
+TEST(Formats, EveryTenthFrameKeepsTheTimeOfFramesAndEvents) {
+  AnimatedMesh mesh = random_animation(3, 3, 101);
+  mesh.rate_hz = 120.0;
+  mesh.first_frame = 1;
+  mesh.events = {{.label = "peak", .time_s = 1.0}};
+  const TemporaryFolder folder;
+  write_animation(formats(), mesh, folder.path() / "m.ply", {.frames = "50:100:10"});
+  const AnimatedMesh back = read_animation(formats(), folder.path() / "m.ply");
+  ASSERT_EQ(back.frame_count(), 6U);
+  EXPECT_EQ(back.rate_hz, 12.0);
+  ASSERT_EQ(back.events.size(), 1U);
+  // Frame 50 is at 49 / 120 s, and the event 71 / 120 s after it.
+  const double first_s = static_cast<double>(back.first_frame - 1) / 12.0;
+  EXPECT_NEAR(back.events[0].time_s - first_s, 71.0 / 120.0, 1e-9);
+}
+
 TEST(Formats, OneFrameIsOneFile) {
   const AnimatedMesh mesh = random_animation(3, 3, 3);
   const TemporaryFolder folder;
