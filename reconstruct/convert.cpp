@@ -1,6 +1,7 @@
 #include "reconstruct/convert.h"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 #include <set>
 
@@ -67,6 +68,19 @@ void warn_of_subjects(ConvertResult& result) {
   result.warnings.insert(result.warnings.begin(),
                          "the mesh joins markers of " + count_of(names.size(), "subject") + " (" +
                              join(names, ", ") + "): choose one with --subject");
+}
+
+/// Markers are found by name in other takes, in --edge and in --topology.
+void warn_of_twins(ConvertResult& result) {
+  std::map<std::string, std::size_t> counts;
+  for (const Marker& marker : result.markers) ++counts[marker.subject + ":" + marker.label];
+  for (const auto& [name, count] : counts) {
+    if (count < 2) continue;
+    const std::string label = name.starts_with(':') ? name.substr(1) : name;
+    result.warnings.insert(result.warnings.begin(),
+                           count_of(count, "marker") + " are called '" + label +
+                               "': 'kinemesh c3d process' joins or renames them");
+  }
 }
 
 /// A name or number that the take does not have is said before the work is done, not after it.
@@ -149,6 +163,7 @@ ConvertResult convert_session(const MarkerSequence& session, const ConvertOption
     result.gaps.push_back(find_gaps(working.take, v));
     result.gaps.back().marker = result.gaps.size() - 1;
   }
+  warn_of_twins(result);
   warn_of_subjects(result);
   const MarkerSequence faces = fill(working, options, result, ctx.part(0.15, 0.6, "filling gaps"));
   const RunContext meshing = ctx.part(0.6, 0.9, "triangulating");

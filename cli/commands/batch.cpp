@@ -1,9 +1,12 @@
 // kinemesh batch: many sessions are converted with one set of options, each in a process of its
 // own, so that one that fails harms no other.
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <chrono>
 #include <cmath>
+#include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -261,6 +264,14 @@ class Batch {
     running.push_back({i, std::make_unique<ChildProcess>(words), Clock::now()});
   }
 
+  /// Whether the process that writes `.NAME.PID-N.tmp` still runs: then the file is its own.
+  static bool is_being_written(const std::string& name) {
+    const std::size_t end = name.rfind('-'), begin = name.rfind('.', end);
+    if (end == std::string::npos || begin == std::string::npos) return false;
+    const long pid = std::strtol(name.c_str() + begin + 1, nullptr, 10);
+    return pid > 0 && (::kill(static_cast<pid_t>(pid), 0) == 0 || errno == EPERM);
+  }
+
   /// Temporary files of a run that was cut short.
   static void remove_leftovers(const fs::path& output) {
     const std::string begin = "." + output.stem().string();
@@ -268,7 +279,9 @@ class Batch {
     std::vector<fs::path> found;
     for (const auto& entry : fs::directory_iterator(output.parent_path(), ignored)) {
       const std::string name = entry.path().filename().string();
-      if (name.starts_with(begin) && name.ends_with(".tmp")) found.push_back(entry.path());
+      if (name.starts_with(begin) && name.ends_with(".tmp") && !is_being_written(name)) {
+        found.push_back(entry.path());
+      }
     }
     for (const fs::path& path : found) fs::remove(path, ignored);
   }
