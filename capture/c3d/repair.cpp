@@ -66,7 +66,9 @@ const std::map<std::string_view, std::string_view>& deeds() {
       {"C3D504", "the missing labels were added"},
       {"C3D505", "the missing scales and offsets were added"},
       {"C3D507", "ANALOG:GEN_SCALE was written"},
-      {"C3D601", "incomplete events were left out"},
+      {"C3D601",
+       "the EVENT parameters were written anew from the events that can be read; incomplete ones "
+       "were left out"},
       {"C3D603", "the SUBJECTS group was made consistent"},
   };
   return all;
