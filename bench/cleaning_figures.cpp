@@ -18,6 +18,7 @@
 #include "capture/stabilise.h"
 #include "tests/support/data.h"
 #include "tests/support/samples.h"
+#include "tests/support/shuffled_take.h"
 
 namespace kinemesh::test {
 namespace {
@@ -180,35 +181,9 @@ void stabilise() {
   }
 }
 
-struct Shuffled {
-  MarkerSequence take;
-  std::vector<std::vector<std::size_t>> order;
-};
-
-/// Without labels, in another order in every frame.
-Shuffled shuffled(const MarkerSequence& take) {
-  Shuffled out;
-  out.take = MarkerSequence::invalid(take.frame_count(), {}, take.rate_hz);
-  out.take.unlabelled.offsets.push_back(0);
-  std::mt19937 random(7);
-  for (std::size_t f = 0; f < take.frame_count(); ++f) {
-    std::vector<std::size_t> seen;
-    for (std::size_t m = 0; m < take.marker_count(); ++m) {
-      if (take.valid(f, m) && take.markers()[m].kind == MarkerKind::marker) seen.push_back(m);
-    }
-    std::ranges::shuffle(seen, random);
-    for (const std::size_t m : seen) {
-      out.take.unlabelled.positions.emplace_back(take.position(f, m));
-    }
-    out.take.unlabelled.offsets.push_back(out.take.unlabelled.positions.size());
-    out.order.push_back(std::move(seen));
-  }
-  return out;
-}
-
 void label(const std::string& name, const MarkerSequence& take, const std::string& other_name,
            const MarkerSequence& other) {
-  const Shuffled loose = shuffled(take);
+  const test::ShuffledTake loose = test::without_labels(take, 7);
   const auto start = Clock::now();
   const LabelResult got = label_points(loose.take, learn_template(other));
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();

@@ -12,6 +12,7 @@
 #include "capture/session.h"
 #include "config/error.h"
 #include "tests/support/data.h"
+#include "tests/support/shuffled_take.h"
 
 namespace kinemesh {
 namespace {
@@ -23,36 +24,9 @@ MarkerSequence real(const std::string& name) {
   return read_session(test::data_folder() / "c3d_face" / (name + ".c3d"));
 }
 
-/// Everything without a label, in another order in every frame; `order[f][i]`: whose point i is.
-struct Shuffled {
-  MarkerSequence take;
-  std::vector<std::vector<std::size_t>> order;
-};
-
-Shuffled shuffled(const MarkerSequence& take, uint32_t seed) {
-  Shuffled out;
-  out.take = MarkerSequence::invalid(take.frame_count(), {}, take.rate_hz);
-  out.take.unlabelled.offsets.push_back(0);
-  std::mt19937 random(seed);
-  for (std::size_t f = 0; f < take.frame_count(); ++f) {
-    std::vector<std::size_t> seen;
-    for (std::size_t m = 0; m < take.marker_count(); ++m) {
-      if (take.valid(f, m) && take.markers()[m].kind == MarkerKind::marker) seen.push_back(m);
-    }
-    std::ranges::shuffle(seen, random);
-    for (const std::size_t m : seen) {
-      out.take.unlabelled.positions.emplace_back(take.position(f, m));
-      out.take.unlabelled.residuals.push_back(0.1F);
-      out.take.unlabelled.camera_masks.push_back(0);
-    }
-    out.take.unlabelled.offsets.push_back(out.take.unlabelled.positions.size());
-    out.order.push_back(std::move(seen));
-  }
-  return out;
-}
-
 /// Share of the points, in percent, that got the label they had; points without one count as wrong.
-double right_percent(const MarkerSequence& truth, const Shuffled& from, const LabelResult& got) {
+double right_percent(const MarkerSequence& truth, const test::ShuffledTake& from,
+                     const LabelResult& got) {
   std::size_t right = 0, points = 0;
   for (std::size_t f = 0; f < truth.frame_count(); ++f) {
     for (const std::size_t m : from.order[f]) {
@@ -66,7 +40,7 @@ double right_percent(const MarkerSequence& truth, const Shuffled& from, const La
 }
 
 double relabelled(const MarkerSequence& take, const MarkerSequence& other) {
-  const Shuffled loose = shuffled(take, 7);
+  const test::ShuffledTake loose = test::without_labels(take, 7);
   return right_percent(take, loose, label_points(loose.take, learn_template(other)));
 }
 
