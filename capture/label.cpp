@@ -58,16 +58,20 @@ Loose gather(const MarkerSequence& take) {
   return loose;
 }
 
-/// The take's column of each marker of the template, or none.
+/// The take's column of each marker of the template, or none. A label alone is enough while only
+/// one subject of the take has it: the same person may be called otherwise in another session.
 std::vector<std::size_t> columns_of(const MarkerSequence& take, const SubjectTemplate& subject) {
   std::vector<std::size_t> columns;
   for (const Marker& wanted : subject.markers) {
-    std::size_t found = none;
-    for (std::size_t m = 0; m < take.marker_count() && found == none; ++m) {
+    std::size_t found = none, alike = 0;
+    bool exact = false;
+    for (std::size_t m = 0; m < take.marker_count() && !exact; ++m) {
       const Marker& marker = take.markers()[m];
-      if (marker.kind == MarkerKind::marker && marker.label == wanted.label) found = m;
+      if (marker.kind != MarkerKind::marker || marker.label != wanted.label) continue;
+      exact = marker.subject == wanted.subject;
+      if (alike++ == 0 || exact) found = m;
     }
-    columns.push_back(found);
+    columns.push_back(exact || alike == 1 ? found : none);
   }
   return columns;
 }
@@ -332,10 +336,13 @@ LabelResult label_points(const MarkerSequence& take, const SubjectTemplate& subj
   }
   LabelCarrier(loose.points, motion, start.places, start.frame).run();
   result.take = assemble(take, subject, columns, loose, result);
-  if (2 * result.labelled < result.points) {
-    result.warnings.push_back("Only " + std::to_string(result.labelled) + " of " +
-                              count_of(result.points, "point") +
-                              " got a label: is the template of the same subject?");
+  // Where the take had its labels already, what is left over are ghosts, and no label is missing.
+  const bool labelled_before = std::ranges::none_of(columns, [](auto c) { return c == none; });
+  if (2 * result.labelled < result.points && !labelled_before) {
+    result.warnings.push_back(
+        (result.labelled == 0 ? std::string("None") : "Only " + std::to_string(result.labelled)) +
+        " of the " + count_of(result.points, "point") +
+        " without a label got one: is the template of the same subject?");
     ctx.warn(result.warnings.back());
   }
   return result;

@@ -114,6 +114,26 @@ void warn_of_idle_patterns(const MarkerSequence& take, const MarkerSelectionOpti
   check(options.exclude, "exclude", matches);
 }
 
+void warn_of_invalid(const MarkerSequence& take, MarkerSelectionResult& result) {
+  constexpr std::size_t most_named = 8;
+  std::vector<std::string> names;
+  for (std::size_t m = 0; m < take.marker_count(); ++m) {
+    if (result.decisions[m].reason != SelectionReason::never_valid) continue;
+    names.push_back(full_name(take.markers()[m]));
+  }
+  if (names.size() > most_named) {
+    const std::size_t others = names.size() - most_named + 1;
+    names.resize(most_named - 1);
+    names.push_back(count_of(others, "other"));
+    result.warnings.push_back("Markers " + join(names, ", ", " and ") +
+                              " are invalid in every frame and are left out.");
+    return;
+  }
+  for (const std::string& name : names) {
+    result.warnings.push_back("Marker " + name + " is invalid in every frame and is left out.");
+  }
+}
+
 [[noreturn]] void nothing_left(const MarkerSequence& take, const MarkerSelectionResult& result) {
   std::vector<std::string> reasons;
   for (const MarkerDecision& d : result.decisions) {
@@ -204,11 +224,7 @@ MarkerSelectionResult select_markers(const MarkerSequence& take,
         "All markers left have names of a head rig; they are taken as vertices, and no marker is "
         "taken as rigid.");
   }
-  for (std::size_t m = 0; m < take.marker_count(); ++m) {
-    if (result.decisions[m].reason != SelectionReason::never_valid) continue;
-    result.warnings.push_back("Marker " + full_name(take.markers()[m]) +
-                              " is invalid in every frame and is left out.");
-  }
+  warn_of_invalid(take, result);
   for (const std::string& warning : result.warnings) ctx.warn(warning);
   if (result.chosen.empty()) nothing_left(take, result);
   return result;

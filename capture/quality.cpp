@@ -184,6 +184,9 @@ class Judge {
         r_.loose_points > 0 ? "all points are unlabelled; label them from a template first"
                             : "there are no markers");
     if (r_.frames < 2 || r_.markers == 0) return;
+    constexpr std::size_t fewest = 10;  // neither noise nor motion is told from fewer
+    say(r_.frames < fewest,
+        "there are " + std::to_string(r_.frames) + " frames only, too few to judge the take by");
     say(r_.markers < 3, count_of(r_.markers, "marker") + " alone: a surface needs three");
     const double minutes = std::max(r_.duration_s, 1.0) / 60.0;
     const std::size_t samples = r_.frames * r_.markers;

@@ -62,7 +62,8 @@ struct RepairResult {
 /// marker's own robust standard deviation (1.4826 × median) of the acceleration (as the distance
 /// from the mean of the samples beside it) and as many × that of its surroundings from the cubic
 /// through the samples around, while these fit each other without the spike and the path goes on
-/// where it was.
+/// where it was. Where the path ends, at a gap or with the take, they must be as far (the more, the
+/// more frames) both from where it leads and from where the neighbours go.
 /// Swaps: a marker jumps, or comes back from a gap, farther from where its neighbours say it should
 /// be than 0.35 × the distance to the nearest marker and 3 × what is usual for it from one frame to
 /// the next, to where another one should be, and that other one likewise to its place.

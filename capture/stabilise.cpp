@@ -205,6 +205,33 @@ void summarise(StabiliseResult& result, const RunContext& ctx) {
   }
 }
 
+/// Some markers always change their distances least; a skull is told by how little they do.
+void refuse_soft_body(const MarkerSequence& take, const RigidMarkersResult& found) {
+  constexpr double least_mm = 2.0;  // noise, and markers that sit loosely
+  constexpr double share = 0.03;    // of the body's size
+  std::size_t fullest = 0;
+  std::ptrdiff_t most = -1;
+  for (std::size_t f = 0; f < take.frame_count(); ++f) {
+    const auto seen =
+        std::ranges::count_if(found.markers, [&](std::size_t m) { return measured(take, f, m); });
+    if (seen > most) fullest = f;
+    most = std::max(most, seen);
+  }
+  double size = 0.0;
+  for (const std::size_t a : found.markers) {
+    for (const std::size_t b : found.markers) {
+      if (!measured(take, fullest, a) || !measured(take, fullest, b)) continue;
+      size = std::max(size, static_cast<double>(
+                                (take.position(fullest, a) - take.position(fullest, b)).norm()));
+    }
+  }
+  if (found.residual_mm <= std::max(least_mm, share * size)) return;
+  no_rigid_markers(take, "No markers move as one rigid body: those that come closest to it are " +
+                             format_fixed(found.residual_mm, 1) +
+                             " mm off their places (RMS), over a body of " + format_fixed(size, 0) +
+                             " mm");
+}
+
 /// True when half of the frames at least show three of these markers.
 bool is_seen(const MarkerSequence& take, const std::vector<std::size_t>& markers) {
   std::size_t frames = 0;
@@ -333,6 +360,7 @@ StabiliseResult stabilise_head(const MarkerSequence& take, const StabiliseOption
                                ? "One frame does not show which markers move as one rigid body"
                                : "No markers move as one rigid body");
   }
+  refuse_soft_body(take, found);
   StabiliseResult result = stabilise_head(take, found.markers, options, ctx);
   result.chosen_from_motion = true;
   std::vector<std::string> labels;

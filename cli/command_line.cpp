@@ -60,7 +60,9 @@ Cli11CommandLine::Cli11CommandLine(CLI::App& app, std::string command)
 
 void Cli11CommandLine::positional(const std::string& name, std::string& field,
                                   const std::string& help) {
-  require(app_.add_option(name, field, help)->option_text(" "));
+  CLI::Option* option = app_.add_option(name, field, help)->option_text(" ");
+  require(option);
+  never_empty_.push_back(option);
 }
 
 void Cli11CommandLine::optional_positional(const std::string& name, std::string& field,
@@ -77,6 +79,7 @@ void Cli11CommandLine::option(const std::string& names, std::string& field,
                               const std::string& metavar, const std::string& help, bool required) {
   CLI::Option* option = app_.add_option(names, field, help)->option_text(metavar);
   if (required) require(option);
+  never_empty_.push_back(option);
 }
 
 void Cli11CommandLine::option(const std::string& names, std::vector<std::string>& field,
@@ -144,6 +147,14 @@ void Cli11CommandLine::check_required() const {
     if (option->count() > 0) continue;
     throw UsageError({.what = option->get_name() + " is required",
                       .remedy = "See 'kinemesh " + command_ + " --help'"});
+  }
+}
+
+void Cli11CommandLine::check_not_empty() const {
+  for (const CLI::Option* option : never_empty_) {
+    if (option->count() == 0 || !option->results().back().empty()) continue;
+    throw UsageError({.what = option->get_name() + " is given, but empty",
+                      .remedy = "Give a name, or leave it out"});
   }
 }
 

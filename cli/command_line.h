@@ -46,6 +46,8 @@ class Cli11CommandLine : public CommandLine {
   void apply_parameters();
   /// Throws UsageError naming what must be given and was not. Not asked by --dump-config.
   void check_required() const;
+  /// Throws UsageError for a file or name that is given as nothing ("-o ''").
+  void check_not_empty() const;
   bool dump_config() const { return dump_config_; }
   std::string options_toml() const;
   CLI::App& app() { return app_; }
@@ -57,6 +59,7 @@ class Cli11CommandLine : public CommandLine {
   CLI::App& app_;
   std::string command_;
   std::vector<const CLI::Option*> required_;
+  std::vector<const CLI::Option*> never_empty_;
   CommonOptions common_;
   ParameterSet set_;
   std::map<std::string, std::vector<std::string>> given_;  // by parameter name

@@ -104,6 +104,7 @@ ExitCode run_entry(Program::Entry& entry, const std::string& command_line, Conso
     return ExitCode::done;
   }
   entry.line->check_required();
+  entry.line->check_not_empty();
   const InterruptGuard guard(terminal.run);
   return entry.action(terminal);
 }

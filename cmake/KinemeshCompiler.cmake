@@ -11,11 +11,6 @@ target_compile_options(kinemesh_compiler INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Werror
   -Wno-missing-field-initializers -ffp-contract=off
   -Wno-restrict)  # gcc 12 reports false ones in std::string (GCC bug 105651)
-if(KINEMESH_PRECOMPILE)
-  # Of headers that are precompiled gcc 12 forgets that they are the system's, and reports false ones.
-  target_compile_options(kinemesh_compiler INTERFACE -Wno-stringop-overflow -Wno-stringop-overread
-    -Wno-array-bounds)
-endif()
 if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")  # the fuzz preset; warnings are judged by gcc
   target_compile_options(kinemesh_compiler INTERFACE -Wno-error -Wno-unknown-warning-option)
 endif()

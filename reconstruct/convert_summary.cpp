@@ -11,6 +11,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// More of one kind are told in one sentence.
+constexpr std::size_t most_sentences = 8;
+
 std::string label_of(const Marker& marker) { return marker.label; }
 
 std::size_t filled_frames(const ConvertResult& result) {
@@ -153,26 +156,100 @@ std::string suspects_text(const ConvertResult& result) {
   return labels.empty() ? "" : ", first of all " + join(labels, ", ");
 }
 
-}  // namespace
-
-std::vector<std::string> doubts_of(const ConvertResult& result) {
-  std::vector<std::string> doubts = result.warnings;
-  const auto frames = result.animation.frame_count();
+/// Markers that are missing for long, one by one or, when they are many, in one sentence.
+void doubt_missing(const ConvertResult& result, std::vector<std::string>& doubts) {
+  std::vector<const MarkerGaps*> long_ones;
   for (const MarkerGaps& gaps : result.gaps) {
-    if (gaps.missing_percent <= 20.0) continue;
-    doubts.push_back("marker '" + label_of(result.markers[gaps.marker]) + "' is missing in " +
-                     format_fixed(gaps.missing_percent, 0) + " % of the frames, up to " +
-                     format_fixed(seconds(result, gaps.longest), 1) + " s at a time");
+    if (gaps.missing_percent > 20.0) long_ones.push_back(&gaps);
   }
+  std::size_t longest = 0;
+  for (const MarkerGaps* gaps : long_ones) longest = std::max(longest, gaps->longest);
+  if (long_ones.size() > most_sentences) {
+    doubts.push_back(count_of(long_ones.size(), "marker") + " of " +
+                     std::to_string(result.gaps.size()) +
+                     " are missing in more than 20 % of the frames, up to " +
+                     format_fixed(seconds(result, longest), 1) +
+                     " s at a time: the chart of the gaps shows which");
+    return;
+  }
+  for (const MarkerGaps* gaps : long_ones) {
+    doubts.push_back("marker '" + label_of(result.markers[gaps->marker]) + "' is missing in " +
+                     format_fixed(gaps->missing_percent, 0) + " % of the frames, up to " +
+                     format_fixed(seconds(result, gaps->longest), 1) + " s at a time");
+  }
+}
+
+std::string frames_text(const ConvertResult& result, const FrameRange& frames) {
+  const int64_t first = result.animation.first_frame;
+  return "frames " + std::to_string(first + static_cast<int64_t>(frames.begin)) + " to " +
+         std::to_string(first + static_cast<int64_t>(frames.end) - 1);
+}
+
+/// Stretches in which nothing at all was measured.
+void doubt_blind_stretches(const ConvertResult& result, std::vector<std::string>& doubts) {
+  std::vector<std::size_t> missing(result.animation.frame_count() + 1, 0);
+  for (const MarkerGaps& gaps : result.gaps) {
+    for (const FrameRange& gap : gaps.gaps) {
+      for (std::size_t f = gap.begin; f < gap.end; ++f) ++missing[f];
+    }
+  }
+  std::vector<FrameRange> blind;
+  for (std::size_t f = 0; f + 1 < missing.size(); ++f) {
+    if (result.gaps.empty() || missing[f] < result.gaps.size()) continue;
+    if (blind.empty() || blind.back().end != f) blind.push_back({f, f});
+    blind.back().end = f + 1;
+  }
+  if (blind.empty()) return;
+  const auto longest = std::ranges::max_element(blind, {}, &FrameRange::size);
+  doubts.push_back("no marker at all is seen in " + frames_text(result, *longest) + " (" +
+                   format_fixed(seconds(result, longest->size()), 2) + " s)" +
+                   (blind.size() > 1 ? " and in " + count_of(blind.size() - 1, "other stretch",
+                                                             "other stretches")
+                                     : "") +
+                   ": the mesh is a guess there");
+}
+
+void doubt_estimates(const ConvertResult& result, std::vector<std::string>& doubts) {
+  std::vector<const Fill*> rough;
   for (const Fill& fill : result.fills) {
-    if (fill.mean_sd_mm <= 1.0) continue;
-    doubts.push_back(
-        "marker '" + label_of(result.markers[fill.marker]) + "', frames " +
-        std::to_string(result.animation.first_frame + static_cast<int64_t>(fill.frames.begin)) +
-        " to " +
-        std::to_string(result.animation.first_frame + static_cast<int64_t>(fill.frames.end) - 1) +
-        ": estimated with an uncertainty of " + format_fixed(fill.mean_sd_mm, 1) + " mm");
+    if (fill.mean_sd_mm > 1.0) rough.push_back(&fill);
   }
+  if (rough.empty()) return;
+  if (rough.size() > most_sentences) {
+    const Fill& worst = **std::ranges::max_element(rough, {}, &Fill::mean_sd_mm);
+    doubts.push_back(count_of(rough.size(), "gap") +
+                     " are estimated with an uncertainty of more than 1 mm, the worst is marker '" +
+                     label_of(result.markers[worst.marker]) + "', " +
+                     frames_text(result, worst.frames) + ": " + format_fixed(worst.mean_sd_mm, 1) +
+                     " mm");
+    return;
+  }
+  for (const Fill* fill : rough) {
+    doubts.push_back("marker '" + label_of(result.markers[fill->marker]) + "', " +
+                     frames_text(result, fill->frames) + ": estimated with an uncertainty of " +
+                     format_fixed(fill->mean_sd_mm, 1) + " mm");
+  }
+}
+
+/// Both eyes carry about as many markers; a ring of half as many as the other's is half an eye.
+void doubt_uneven_eyes(const ConvertResult& result, std::vector<std::string>& doubts) {
+  const Opening* eyes[2] = {nullptr, nullptr};
+  for (const Opening& opening : result.triangulation.openings) {
+    if (opening.name == OpeningName::left_eye) eyes[0] = &opening;
+    if (opening.name == OpeningName::right_eye) eyes[1] = &opening;
+  }
+  if (eyes[0] == nullptr || eyes[1] == nullptr) return;
+  if (eyes[0]->loop.size() > eyes[1]->loop.size()) std::swap(eyes[0], eyes[1]);
+  const std::size_t fewer = eyes[0]->loop.size();
+  const std::size_t more = eyes[1]->loop.size();
+  if (3 * fewer >= 2 * more) return;
+  doubts.push_back("the ring of the " + std::string(name_of(eyes[0]->name)) + " has only " +
+                   count_of(fewer, "marker") + ", that of the other eye " + std::to_string(more) +
+                   ": it may be half open. --no-edge A:B opens it further where A and B are its "
+                   "lids' markers");
+}
+
+void doubt_forced_openings(const ConvertResult& result, std::vector<std::string>& doubts) {
   for (const Opening& opening : result.triangulation.openings) {
     if (!opening.forced || opening.score >= threshold_of(opening)) continue;
     doubts.push_back(
@@ -182,9 +259,21 @@ std::vector<std::string> doubts_of(const ConvertResult& result) {
         format_fixed(threshold_of(opening), 2) +
         "): check that its ring is the right one: " + join(labels_of(opening, result), ", "));
   }
+}
+
+}  // namespace
+
+std::vector<std::string> doubts_of(const ConvertResult& result) {
+  std::vector<std::string> doubts = result.warnings;
+  doubt_blind_stretches(result, doubts);
+  doubt_missing(result, doubts);
+  doubt_estimates(result, doubts);
+  doubt_forced_openings(result, doubts);
+  doubt_uneven_eyes(result, doubts);
   if (result.summary.frames_with_flips > 0) {
     doubts.push_back(count_of(result.summary.frames_with_flips, "frame") + " of " +
-                     std::to_string(frames) + " with flipped triangles, most in frame " +
+                     std::to_string(result.animation.frame_count()) +
+                     " with flipped triangles, most in frame " +
                      std::to_string(result.animation.first_frame +
                                     static_cast<int64_t>(result.summary.worst_frame)) +
                      " (" + std::to_string(result.summary.worst_count) +

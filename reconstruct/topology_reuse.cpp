@@ -28,7 +28,7 @@ class Reuse {
     auto next = static_cast<VertexIndex>(take.marker_count());
     std::set<std::size_t> found;
     for (const std::string& name : previous.vertex_names) {
-      const std::size_t m = take.find(name);
+      const std::size_t m = marker_named(name, found);
       const bool known = m != MarkerSequence::npos && found.insert(m).second;
       marker_of.push_back(known ? static_cast<VertexIndex>(m) : next++);
       if (!known) missing_.push_back(name);
@@ -74,6 +74,20 @@ class Reuse {
   std::size_t flips() const { return flips_; }
 
  private:
+  /// Of several markers of one name the first that no vertex has taken yet: the order tells twins
+  /// apart.
+  std::size_t marker_named(const std::string& name, const std::set<std::size_t>& taken) const {
+    const std::size_t first = take_.find(name);
+    if (first == MarkerSequence::npos || !taken.contains(first)) return first;
+    const Marker& like = take_.markers()[first];
+    for (std::size_t m = first + 1; m < take_.marker_count(); ++m) {
+      const Marker& marker = take_.markers()[m];
+      if (marker.label == like.label && marker.subject == like.subject && !taken.contains(m))
+        return m;
+    }
+    return MarkerSequence::npos;
+  }
+
   void check_overlap(std::size_t found, std::size_t vertices) const {
     if (found >= 3 && 2 * found >= vertices) return;
     throw NoResultError(
@@ -136,6 +150,12 @@ class Reuse {
 };
 
 void check_previous(const Mesh& previous) {
+  if (previous.topology && previous.topology->face_count() == 0) {
+    throw InputError({.what = "what is given as the previous mesh has points, but no triangles",
+                      .remedy =
+                          "Give the mesh that 'kinemesh convert' wrote of the other take, for "
+                          "example its .ply"});
+  }
   if (!previous.topology || previous.vertex_names.size() != previous.topology->vertex_count()) {
     throw InputError({.what = "the previous mesh has no names of its vertices",
                       .remedy = "Give a mesh that kinemesh wrote from markers"});
@@ -161,6 +181,19 @@ std::shared_ptr<const Topology> topology_of(const Mesh& previous, std::size_t ve
     return previous.topology;
   }
   return Topology::create(vertex_count, std::move(triangles));
+}
+
+/// The openings come with the previous mesh; what was asked for beside them is not passed over.
+void warn_of_openings(const OpeningOptions& options, std::vector<std::string>& warnings) {
+  const std::pair<const char*, OpeningMode> asked[] = {{"--mouth", options.mouth},
+                                                       {"--left-eye", options.left_eye},
+                                                       {"--right-eye", options.right_eye}};
+  for (const auto& [name, mode] : asked) {
+    if (mode == OpeningMode::automatic) continue;
+    warnings.push_back(
+        std::string(name) +
+        " has no effect here: the openings are those of the mesh given as --topology");
+  }
 }
 
 /// Names the loops but the rim by where they lie: one across the mirror plane is the mouth, the
@@ -226,6 +259,7 @@ ReuseResult reuse_topology(const Mesh& previous, const MarkerSequence& take,
   const auto named = name_by_place(mesh, reference.points, spacing);
   d.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   describe_result(t, take, reference, spacing, named);
+  warn_of_openings(options.openings, d.warnings);
   result.missing = reuse.missing();
   result.added = reuse.added();
   for (const auto& name : result.missing) {

@@ -98,23 +98,18 @@ class Delete : public EditOperation {
   }
   std::string apply(MarkerSequence& take, const EditContext& context) const override {
     (void)context;
+    const std::vector<std::string> idle = idle_patterns(take);
     std::vector<std::size_t> hit, kept;
     for (std::size_t m = 0; m < take.marker_count(); ++m) {
-      const Marker& marker = take.markers()[m];
-      const bool gone = std::ranges::any_of(markers_, [&](const std::string& p) {
-        return matches_wildcard(p, marker.label) ||
-               matches_wildcard(p, marker.subject + ":" + marker.label);
-      });
+      const bool gone = std::ranges::any_of(
+          markers_, [&](const std::string& p) { return names(p, take.markers()[m]); });
       (gone ? hit : kept).push_back(m);
-    }
-    if (hit.empty()) {
-      throw UsageError({.what = "'" + join(markers_, " ") + "' matches no marker",
-                        .remedy = "See the labels with \"kinemesh c3d info\""});
     }
     const FrameSpan span = frames_between(take, from_, to_);
     const std::string what =
         hit.size() == 1 ? take.markers()[hit[0]].label : count_of(hit.size(), "marker");
     std::string text = "deleted " + what + span_text(take, span);
+    if (!idle.empty()) text += "; nothing is called " + join(idle, ", ", " or ");
     if (span.begin == 0 && span.end == take.frame_count()) {
       drop_columns(take, kept);
       return text;
@@ -126,6 +121,28 @@ class Delete : public EditOperation {
   }
 
  private:
+  static bool names(const std::string& pattern, const Marker& marker) {
+    return matches_wildcard(pattern, marker.label) ||
+           matches_wildcard(pattern, marker.subject + ":" + marker.label);
+  }
+
+  /// Those that name nothing, each in quotes. Throws UsageError when all do.
+  std::vector<std::string> idle_patterns(const MarkerSequence& take) const {
+    if (markers_.empty()) {
+      throw UsageError({.what = "'markers' says what to delete, and is missing"});
+    }
+    std::vector<std::string> idle;
+    for (const std::string& pattern : markers_) {
+      if (std::ranges::none_of(take.markers(),
+                               [&](const Marker& m) { return names(pattern, m); })) {
+        idle.push_back("'" + pattern + "'");
+      }
+    }
+    if (idle.size() < markers_.size()) return idle;
+    throw UsageError({.what = join(idle, ", ", " and ") + " matches no marker",
+                      .remedy = "See the labels with \"kinemesh c3d info\""});
+  }
+
   std::vector<std::string> markers_;
   int64_t from_ = 0, to_ = 0;
 };

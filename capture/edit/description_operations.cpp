@@ -1,6 +1,9 @@
 // merge-subjects, anonymise, add-event, units, axes: what the take says about itself.
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <type_traits>
 
 #include "capture/c3d/point_table.h"
 #include "capture/edit/anonymise.h"
@@ -90,12 +93,26 @@ class AddEvent : public EditOperation {
       if (!(take.rate_hz > 0.0)) throw UsageError({.what = "the take has no frame rate"});
       event.time_s = static_cast<double>(frame_ - 1) / take.rate_hz;
     }
+    refuse_outside(take, event.time_s);
     take.events.push_back(event);
     std::ranges::stable_sort(take.events, {}, &Event::time_s);
     return "added event " + event.label + " at " + format_fixed(event.time_s, 3) + " s";
   }
 
  private:
+  static void refuse_outside(const MarkerSequence& take, double time_s) {
+    if (!(take.rate_hz > 0.0) || take.frame_count() == 0) return;
+    const double first = static_cast<double>(take.first_frame - 1) / take.rate_hz;
+    const double last = first + static_cast<double>(take.frame_count() - 1) / take.rate_hz;
+    const double slack = 0.5 / take.rate_hz;
+    if (time_s >= first - slack && time_s <= last + slack) return;
+    throw UsageError({.what = "the event at " + format_fixed(time_s, 3) +
+                              " s lies outside the take, which lasts from " +
+                              format_fixed(first, 3) + " to " + format_fixed(last, 3) + " s",
+                      .remedy = "Give a 'time' within it, counted from recorded frame 1, or a "
+                                "'frame'"});
+  }
+
   Event event_;
   int64_t frame_ = 0;
 };
@@ -113,6 +130,11 @@ class Units : public EditOperation {
     const double before = millimetres_in(take.origin.unit).value_or(1.0);
     take.origin.scale *= before / *now;  // the same step in the other unit
     scale_rotations(take.rotations, before / *now);
+    for (const char* place : {"CORNERS", "ORIGIN"}) {  // of force plates: in the points' unit, too
+      C3dParameter* lengths = take.parameters.find("FORCE_PLATFORM", place);
+      if (lengths == nullptr) continue;
+      for (double& n : lengths->numbers) n *= before / *now;
+    }
     const std::string old = take.origin.unit;
     take.origin.unit = unit_;
     return "lengths are written in " + unit_ + " instead of " + old;
@@ -133,23 +155,26 @@ class Axes : public EditOperation {
               {Up::z, "z-up", "x right, z up, y away from the viewer"}},
              "how the axes lie afterwards");
     p.choice("from", from_,
-             {{Up::automatic, "auto", "as the file says (POINT:Y_SCREEN)"},
+             {{Up::automatic, "auto", "as the file says (POINT:X_SCREEN and Y_SCREEN)"},
               {Up::y, "y-up", "y is up"},
               {Up::z, "z-up", "z is up"}},
              "how they lie now");
   }
   std::string apply(MarkerSequence& take, const EditContext& context) const override {
     (void)context;
-    const Up now = from_ == Up::automatic ? up_of(take) : from_;
+    const Screen now = screen_of(take);
     const bool to_y = preset_ == Up::y;
+    const Screen then = {Eigen::Vector3d::UnitX(),
+                         to_y ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ()};
     take.origin.x_screen = "+X";
     take.origin.y_screen = to_y ? "+Y" : "+Z";
-    if (now == preset_) return "the axes already were as asked for";
-    const auto turn = [to_y](auto& x, auto& y, auto& z) {
-      (void)x;
-      const auto old_y = y;
-      y = to_y ? z : -z;
-      z = to_y ? -old_y : old_y;
+    const Eigen::Matrix3d whole = then.axes() * now.axes().transpose();
+    if (whole.isIdentity()) return "the axes already were as asked for";
+    const auto turn = [&whole](auto& x, auto& y, auto& z) {
+      const Eigen::Vector3d turned = whole * Eigen::Vector3d(x, y, z);
+      x = static_cast<std::remove_reference_t<decltype(x)>>(turned.x());
+      y = static_cast<std::remove_reference_t<decltype(y)>>(turned.y());
+      z = static_cast<std::remove_reference_t<decltype(z)>>(turned.z());
     };
     const std::span<float> p = take.positions();
     for (std::size_t i = 0; i < take.sample_count(); ++i) {
@@ -157,8 +182,6 @@ class Axes : public EditOperation {
       turn(p[3 * i], p[3 * i + 1], p[3 * i + 2]);
     }
     for (Eigen::Vector3f& q : take.unlabelled.positions) turn(q.x(), q.y(), q.z());
-    Eigen::Matrix3d whole = Eigen::Matrix3d::Identity();
-    for (Eigen::Index c = 0; c < 3; ++c) turn(whole(0, c), whole(1, c), whole(2, c));
     for (std::size_t f = 0; f < take.frame_count(); ++f) {
       move_rotations(take.rotations, f, whole, Eigen::Vector3d::Zero());
     }
@@ -166,15 +189,44 @@ class Axes : public EditOperation {
       std::vector<double>& n = corners->numbers;
       for (std::size_t i = 0; i + 2 < n.size(); i += 3) turn(n[i], n[i + 1], n[i + 2]);
     }
-    return std::string("turned the axes so that ") + (to_y ? "y" : "z") + " is up";
+    return std::string("turned the axes so that x points right and ") + (to_y ? "y" : "z") + " up";
   }
 
  private:
-  static Up up_of(const MarkerSequence& take) {
-    if (take.origin.y_screen == "+Y") return Up::y;
-    if (take.origin.y_screen == "+Z") return Up::z;
-    throw UsageError({.what = "the file does not say which axis is up",
-                      .remedy = "Add from = \"y-up\" or from = \"z-up\" to the step"});
+  /// What points right and up on the screen.
+  struct Screen {
+    Eigen::Vector3d right, up;
+    Eigen::Matrix3d axes() const {
+      return (Eigen::Matrix3d() << right, up, right.cross(up)).finished();
+    }
+  };
+
+  /// "+Y", "-X"…; nothing for another word.
+  static std::optional<Eigen::Vector3d> axis_named(std::string_view word) {
+    const double sign = word.starts_with('-') ? -1.0 : 1.0;
+    if (word.starts_with('+') || word.starts_with('-')) word.remove_prefix(1);
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      if (upper(word) == std::string(1, "XYZ"[axis])) return sign * Eigen::Vector3d::Unit(axis);
+    }
+    return std::nullopt;
+  }
+
+  /// Where the file does not say what points right, and where that would be the axis that is up, x
+  /// does.
+  Screen screen_of(const MarkerSequence& take) const {
+    const auto stated = axis_named(trim(take.origin.y_screen));
+    if (from_ == Up::automatic && !stated) {
+      throw UsageError({.what = "the file does not say which axis is up",
+                        .remedy = "Add from = \"y-up\" or from = \"z-up\" to the step"});
+    }
+    const Eigen::Vector3d up = from_ == Up::y   ? Eigen::Vector3d::UnitY()
+                               : from_ == Up::z ? Eigen::Vector3d::UnitZ()
+                                                : *stated;
+    Eigen::Vector3d right =
+        axis_named(trim(take.origin.x_screen)).value_or(Eigen::Vector3d::UnitX());
+    if (std::abs(right.dot(up)) > 0.5) right = Eigen::Vector3d::UnitX();
+    if (std::abs(right.dot(up)) > 0.5) right = Eigen::Vector3d::UnitY();
+    return {right, up};
   }
 
   Up preset_ = Up::z, from_ = Up::automatic;

@@ -214,10 +214,14 @@ MarkerSequence join_takes(const MarkerSequence& first, const MarkerSequence& sec
   std::vector<Marker> markers = first.markers();
   std::vector<std::size_t> column;
   for (const Marker& m : second.markers()) {
-    const auto it =
-        std::ranges::find_if(markers, [&](const Marker& other) { return same_marker(m, other); });
-    column.push_back(static_cast<std::size_t>(it - markers.begin()));
+    // Of markers that exist twice the first goes to the first, the second to the second.
+    const auto it = std::ranges::find_if(markers, [&](const Marker& other) {
+      const auto k = static_cast<std::size_t>(&other - markers.data());
+      return same_marker(m, other) && std::ranges::find(column, k) == column.end();
+    });
+    const auto k = static_cast<std::size_t>(it - markers.begin());
     if (it == markers.end()) markers.push_back(m);
+    column.push_back(k);
   }
   const std::size_t shift = first.frame_count() + pause;
   MarkerSequence out = empty_like(first, shift + second.frame_count(), markers);

@@ -1,5 +1,6 @@
 #include "capture/formats/session_export.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -243,6 +244,12 @@ void list_left_out(const MarkerSequence& take, ExportFormat format, SessionExpor
     result.left_out.push_back(count_of(unlabelled, "point") + " without identity");
   if (!take.rotations.values.empty() && format != ExportFormat::npz)
     result.left_out.push_back(count_of(take.rotations.count, "rotation"));
+  const auto not_zero = [](auto value) { return value != 0; };
+  const bool table = format == ExportFormat::csv || format == ExportFormat::trc;
+  if (table && std::ranges::any_of(take.residuals(), not_zero))
+    result.left_out.emplace_back("residuals");
+  if (format != ExportFormat::npz && std::ranges::any_of(take.camera_masks(), not_zero))
+    result.left_out.emplace_back("camera masks");
   if (format != ExportFormat::trc) return;
   std::size_t others = 0;
   for (const Marker& m : take.markers()) others += m.kind > MarkerKind::virtual_point ? 1 : 0;

@@ -12,11 +12,13 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "capture/formats/mesh_formats.h"
 #include "cli/child_process.h"
 #include "cli/commands/commands.h"
 #include "config/output_file.h"
 #include "config/text.h"
 #include "config/version.h"
+#include "mesh/formats/mesh_io.h"
 #include "reconstruct/batch_journal.h"
 #include "reconstruct/batch_manifest.h"
 #include "reconstruct/convert_files.h"
@@ -89,6 +91,10 @@ class Batch {
         manifest_(read_batch_manifest(arguments.manifest, {.folder = arguments.folder})),
         journal_(beside(".journal"), arguments.resume || arguments.dry_run),
         outcomes_(manifest_.sessions.size()) {
+    const FormatRegistry formats = all_formats();
+    for (std::size_t i = 0; i < outcomes_.size(); ++i) {  // said before any work is done
+      output_format(formats, output(i), arguments.options.writing, 2);
+    }
     const int asked = number_of_jobs(arguments.jobs);
     const int sessions = static_cast<int>(std::min<std::size_t>(outcomes_.size(), 1024));
     jobs_ = std::clamp(asked > 0 ? asked : terminal.run.threads(), 1, sessions);

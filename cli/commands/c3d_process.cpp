@@ -114,7 +114,7 @@ ExitCode process(Arguments& args, Terminal& terminal) {
   for (const StageTime& t : result.times) {
     terminal.run.info(t.stage + " took " + format_fixed(t.seconds, 3) + " s");
   }
-  terminal.print(text + "written  " + join(outputs, "\n         "));
+  if (!terminal.quiet) terminal.print(text + "written  " + join(outputs, "\n         "));
   return ExitCode::done;
 }
 

@@ -125,6 +125,18 @@ void keep_time(const AnimatedMesh& mesh, const FrameRange& range, AnimatedMesh& 
   for (Event& event : out.events) event.time_s += later;
 }
 
+/// Leaves out the events (seconds since recorded frame 1) more than half a frame before the first
+/// or behind the last frame; their number. A mesh without a rate keeps all.
+std::size_t drop_events_outside(AnimatedMesh& mesh) {
+  if (mesh.rate_hz <= 0 || mesh.frame_count() == 0) return 0;
+  const double slack = 0.5 / mesh.rate_hz + 1e-9;
+  const double first = static_cast<double>(mesh.first_frame - 1) / mesh.rate_hz;
+  const double begin = first - slack;
+  const double end = first + mesh.time_s(mesh.frame_count() - 1) + slack;
+  return std::erase_if(
+      mesh.events, [&](const Event& event) { return event.time_s < begin || event.time_s > end; });
+}
+
 /// A copy of the frames asked for, lengths multiplied by `factor`.
 AnimatedMesh converted(const AnimatedMesh& mesh, const FrameRange& range, double factor) {
   const std::size_t vertices = mesh.vertex_count();
@@ -223,8 +235,10 @@ WriteResult add_animation(const FormatRegistry& formats, const AnimatedMesh& mes
         {.what = format.description + " prescribes its unit", .remedy = "Leave --output-unit out"});
   }
   std::optional<AnimatedMesh> copy;
+  std::size_t dropped = 0;
   if (range.count != mesh.frame_count() || options.unit != LengthUnit::mm) {
     copy = converted(mesh, range, 1.0 / millimetres_per(options.unit));
+    if (!options.frames.empty()) dropped = drop_events_outside(*copy);
   }
   const AnimatedMesh& source = copy ? *copy : mesh;
   WriteResult result;
@@ -247,6 +261,10 @@ WriteResult add_animation(const FormatRegistry& formats, const AnimatedMesh& mes
   const std::vector<fs::path> all = files.paths();
   result.files.assign(all.begin() + static_cast<std::ptrdiff_t>(before), all.end());
   result.report.lost = format.keeps.lost_of(Keeps::content_of(source));
+  if (dropped > 0) {
+    result.report.notes.push_back(count_of(dropped, "event") +
+                                  " outside the frames written left out");
+  }
   if (numbered) note_older_files(target, result);
   return result;
 }

@@ -14,6 +14,7 @@
 #include "config/output_file.h"
 #include "tests/support/c3d_takes.h"
 #include "tests/support/data.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kinemesh {
 namespace {
@@ -73,7 +74,7 @@ TEST(EditList, TheOriginalStaysAndTheListReadsBackAlike) {
   const EditResult result = apply_edits(take, edits);
   ASSERT_EQ(result.done.size(), 3U);
   EXPECT_EQ(result.done[0], "renamed M2 to nose");
-  EXPECT_EQ(result.done[1], "deleted M1 in frames 5 to 9");
+  EXPECT_EQ(result.done[1], "deleted M1 in frames 5 to 9; nothing is called 'x*'");
   EXPECT_EQ(take.markers()[1].label, "M2");
   EXPECT_EQ(result.take.markers()[1].label, "nose");
   EXPECT_FALSE(result.take.valid(4, 0));
@@ -205,6 +206,48 @@ TEST(EditList, SubjectsEventsUnitsAxes) {
             std::string::npos);
 }
 
+TEST(EditList, AxesFollowWhatPointsRightOnTheScreen) {
+  MarkerSequence take = small_take();
+  take.origin.x_screen = "-Y";  // right; up is z, so that x points away from the viewer
+  take.origin.y_screen = "+Z";
+  const Eigen::Vector3f p = take.position(3, 1);
+  const MarkerSequence z_up = edited(take, "[[edit]]\ndo = \"axes\"\npreset = \"z-up\"\n");
+  EXPECT_EQ(z_up.position(3, 1), Eigen::Vector3f(-p.y(), p.x(), p.z()));
+  EXPECT_EQ(z_up.origin.x_screen, "+X");
+  EXPECT_EQ(z_up.origin.y_screen, "+Z");
+  const MarkerSequence y_up = edited(take, "[[edit]]\ndo = \"axes\"\npreset = \"y-up\"\n");
+  EXPECT_EQ(y_up.position(3, 1), Eigen::Vector3f(-p.y(), p.z(), -p.x()));
+  take.origin.y_screen = "-X";
+  const MarkerSequence hanging = edited(take, "[[edit]]\ndo = \"axes\"\npreset = \"z-up\"\n");
+  EXPECT_EQ(hanging.position(3, 1).z(), -p.x());
+  EXPECT_EQ(hanging.position(3, 1).x(), -p.y());
+}
+
+TEST(EditList, ForcePlatesChangeTheirUnitWithThePoints) {
+  MarkerSequence take = small_take();
+  take.parameters.set(
+      "FORCE_PLATFORM",
+      real_parameter("CORNERS", {0, 0, 0, 400, 0, 0, 400, 600, 0, 0, 600, 0}, {3, 4, 1}));
+  take.parameters.set("FORCE_PLATFORM", real_parameter("ORIGIN", {0, 0, -40}, {3, 1}));
+  const MarkerSequence out = edited(take, "[[edit]]\ndo = \"units\"\nunit = \"m\"\n");
+  EXPECT_NEAR(out.parameters.find("FORCE_PLATFORM", "CORNERS")->numbers[7], 0.6, 1e-12);
+  EXPECT_NEAR(out.parameters.find("FORCE_PLATFORM", "ORIGIN")->numbers[2], -0.04, 1e-12);
+}
+
+TEST(EditList, TwinsStayApartWhenTakesAreJoined) {
+  const test::TemporaryFolder folder;
+  MarkerSequence take = small_take();
+  take.markers()[1].label = take.markers()[0].label;
+  write_c3d(take, folder.path() / "second.c3d");
+  EditList join = parse_edits("[[edit]]\ndo = \"join\"\nfile = \"second.c3d\"\n", "edits.toml");
+  join.folder = folder.path();
+  const MarkerSequence out = apply_edits(take, join).take;
+  ASSERT_EQ(out.marker_count(), 3U);
+  for (std::size_t m = 0; m < 3; ++m) {
+    EXPECT_LT((out.position(43, m) - take.position(3, m)).norm(), 1e-3F) << m;
+  }
+}
+
 TEST(EditList, StagesAreSteps) {
   const MarkerSequence out = edited(small_take(),
                                     "[[edit]]\ndo = \"fill\"\nfill = \"cubic\"\n"
@@ -226,6 +269,8 @@ TEST(EditList, SaysWhatIsWrongAndWhere) {
   says("[[edit]]\ndo = \"swap\"\na = \"M1\"\nb = \"M9\"\n", "M9");
   says("[[edit]]\ndo = \"rename\"\nmarker = \"M1\"\nto = \"M2\"\n", "already has");
   says("[[edit]]\ndo = \"axes\"\n", "which axis is up");
+  says("[[edit]]\ndo = \"add-event\"\nlabel = \"late\"\ntime = 3\n", "lasts from 0.000 to 0.390 s");
+  says("[[edit]]\ndo = \"delete\"\nmarkers = [\"Nose*\"]\n", "'Nose*' matches no marker");
   says("[[edit]]\ndo = \"join\"\nfile = \"missing.c3d\"\n", "missing.c3d");
   says("[[edit]]\ndo = \"units\"\nunit = \"parsec\"\n", "parsec");
   says("edit = 3\n", "edit");

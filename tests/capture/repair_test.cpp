@@ -118,6 +118,31 @@ TEST(Repair, TakesOutSpikesAndNothingElse) {
   EXPECT_TRUE(mended.take.valid(101, 3));
 }
 
+TEST(Repair, SpikesAtGapsAndAtTheTakesEndsAreFound) {
+  MarkerSequence take = sample("anna_surprise");
+  const std::size_t last = take.frame_count();
+  for (std::size_t f = 150; f < 190; ++f) take.flags()[take.sample(f, 30)] = 0;
+  const std::vector<Spike> put{{10, {0, 2}, 12.0},
+                               {20, {last - 1, last}, 9.0},
+                               {30, {148, 150}, 15.0},  // before the gap
+                               {30, {190, 191}, 9.0}};  // behind it
+  for (const Spike& s : put) {
+    for (std::size_t f = s.frames.begin; f < s.frames.end; ++f) {
+      ASSERT_TRUE(take.valid(f, s.marker)) << s.marker << " " << f;
+      take.position(f, s.marker).z() += static_cast<float>(s.deviation_mm);
+    }
+  }
+  const auto found = find_spikes(take);
+  ASSERT_EQ(found.size(), put.size());
+  for (const Spike& s : put) {
+    const auto same = std::ranges::find_if(found, [&](const Spike& other) {
+      return other.marker == s.marker && other.frames == s.frames;
+    });
+    ASSERT_NE(same, found.end()) << s.marker << " " << s.frames.begin;
+    EXPECT_NEAR(same->deviation_mm, s.deviation_mm, 3.0);
+  }
+}
+
 TEST(Repair, AStepIsNoSpikeButAJump) {
   MarkerSequence take = sample("anna_surprise");
   const std::size_t marker = 40;

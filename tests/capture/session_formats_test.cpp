@@ -171,7 +171,7 @@ TEST(Trc, ComesBackValueByValue) {
   const test::TemporaryFolder folder;
   const MarkerSequence take = sample_take();
   const SessionExportResult out = export_session(take, folder.path() / "take.trc");
-  EXPECT_EQ(out.left_out, (std::vector<std::string>{"1 angle, force or other column",
+  EXPECT_EQ(out.left_out, (std::vector<std::string>{"residuals", "1 angle, force or other column",
                                                     "2 analog channels", "2 events"}));
   TableReadOptions zeros_are_points{.zero_is_gap = false};
   const MarkerSequence back =

@@ -178,6 +178,17 @@ TEST(RigidMarkers, JumpsAndGapsDoNotMatter) {
   EXPECT_EQ(result.warnings.size(), 1U);
 }
 
+TEST(RigidMarkers, WhatNeverKeepsItsShapeIsNoHead) {
+  MarkerSequence take = record(200, 12.0);
+  try {
+    stabilise_head(take);
+    FAIL() << "a cloud was taken for a head";
+  } catch (const NoResultError& e) {
+    EXPECT_NE(std::string(e.what()).find("No markers move as one rigid body"), std::string::npos);
+    EXPECT_NE(std::string(e.what()).find("--rigid"), std::string::npos);
+  }
+}
+
 TEST(RigidMarkers, OfNothingAreNone) {
   EXPECT_TRUE(find_rigid_markers(MarkerSequence()).markers.empty());
   EXPECT_TRUE(find_rigid_markers(record(1, 0.1)).markers.empty());

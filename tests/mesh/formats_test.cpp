@@ -115,16 +115,20 @@ TEST(Formats, EveryTenthFrameKeepsTheTimeOfFramesAndEvents) {
   AnimatedMesh mesh = random_animation(3, 3, 101);
   mesh.rate_hz = 120.0;
   mesh.first_frame = 1;
-  mesh.events = {{.label = "peak", .time_s = 1.0}};
+  mesh.events = {{.label = "start", .time_s = 0.1}, {.label = "peak", .time_s = 0.7}};
   const TemporaryFolder folder;
-  write_animation(formats(), mesh, folder.path() / "m.ply", {.frames = "50:100:10"});
+  const WriteResult written =
+      write_animation(formats(), mesh, folder.path() / "m.ply", {.frames = "50:100:10"});
+  EXPECT_EQ(written.report.notes,
+            std::vector<std::string>{"1 event outside the frames written left out"});
   const AnimatedMesh back = read_animation(formats(), folder.path() / "m.ply");
   ASSERT_EQ(back.frame_count(), 6U);
   EXPECT_EQ(back.rate_hz, 12.0);
   ASSERT_EQ(back.events.size(), 1U);
-  // Frame 50 is at 49 / 120 s, and the event 71 / 120 s after it.
+  EXPECT_EQ(back.events[0].label, "peak");
+  // Frame 50 is at 49 / 120 s, and the event 35 / 120 s after it.
   const double first_s = static_cast<double>(back.first_frame - 1) / 12.0;
-  EXPECT_NEAR(back.events[0].time_s - first_s, 71.0 / 120.0, 1e-9);
+  EXPECT_NEAR(back.events[0].time_s - first_s, 35.0 / 120.0, 1e-9);
 }
 
 TEST(Formats, OneFrameIsOneFile) {

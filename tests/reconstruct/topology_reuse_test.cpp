@@ -106,6 +106,23 @@ TEST(TopologyReuse, SurpriseTakesOverTheOpeningsOfHappy) {
   }
 }
 
+TEST(TopologyReuse, MarkersOfOneNameKeepTheirOrder) {
+  MarkerSequence take = make_take({scatter(cap(80, 1.3), 12, 4)});
+  take.markers()[7].label = take.markers()[3].label;
+  const auto reused = reuse_topology(mesh_of(take, triangulate(take)), take);
+  EXPECT_TRUE(reused.missing.empty() && reused.added.empty());
+}
+
+TEST(TopologyReuse, OpeningsAskedForBesideItAreNotPassedOver) {
+  const MarkerSequence take = make_take({scatter(cap(80, 1.3), 12, 4)});
+  TriangulateOptions options;
+  options.openings.mouth = OpeningMode::open;
+  const auto reused = reuse_topology(mesh_of(take, triangulate(take)), take, options);
+  const auto& warnings = reused.triangulation.diagnostics.warnings;
+  ASSERT_FALSE(warnings.empty());
+  EXPECT_NE(warnings.front().find("--mouth"), std::string::npos);
+}
+
 TEST(TopologyReuse, AMeshOfAnotherSubjectIsRefused) {
   MarkerSequence take = make_take({scatter(cap(80, 1.3), 15, 4)});
   Mesh previous = mesh_of(take, triangulate(take));
