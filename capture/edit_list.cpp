@@ -113,6 +113,16 @@ std::shared_ptr<const EditOperation> make_edit(
   return step;
 }
 
+std::vector<std::filesystem::path> files_read(const EditList& edits) {
+  std::vector<std::filesystem::path> all;
+  for (const auto& step : edits.steps) {
+    for (const std::string& file : step->files()) {
+      if (!file.empty()) all.push_back(edits.folder / file);
+    }
+  }
+  return all;
+}
+
 EditResult apply_edits(const MarkerSequence& take, const EditList& edits, const RunContext& ctx) {
   EditResult result{take, {}};
   const auto count = static_cast<double>(edits.steps.size());

@@ -36,6 +36,9 @@ EditList read_edits(const std::filesystem::path& path);
 /// out.
 std::string edits_toml(const EditList& edits);
 
+/// The files that its steps read.
+std::vector<std::filesystem::path> files_read(const EditList& edits);
+
 /// A step made in a program: its name and values as a user would type them. Throws UsageError.
 std::shared_ptr<const EditOperation> make_edit(
     std::string_view operation,

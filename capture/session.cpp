@@ -75,6 +75,11 @@ SessionFormat detect_session_format(const std::filesystem::path& path) {
     if (looks_like_session_csv(line)) return SessionFormat::csv;
   }
   if (extension == ".trc") return SessionFormat::trc;
+  if (head.starts_with("\x89PNG")) {  // its second byte is that of a C3D file
+    throw InputError({.what = "this is a picture (PNG), no session",
+                      .file = path.string(),
+                      .remedy = "Give the recording itself"});
+  }
   if (extension == ".c3d") return SessionFormat::c3d;
   // A C3D file under another name: its second byte is 80; leading zero bytes occur.
   const std::size_t start = std::min(head.find_first_not_of('\0'), head.size());

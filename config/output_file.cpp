@@ -1,5 +1,7 @@
 #include "config/output_file.h"
 
+#include <algorithm>
+
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -169,7 +171,10 @@ void refuse_to_replace(const std::vector<fs::path>& inputs, const std::vector<fs
       if (input.empty() || output.empty() || !fs::equivalent(input, output, ignored)) continue;
       throw UsageError({.what = "the output would replace the input",
                         .file = output.string(),
-                        .remedy = "Give another name with -o"});
+                        .remedy = "Give another name for what is written"});
+    }
+    if (!output.empty() && std::ranges::count(outputs, output) > 1) {
+      throw UsageError({.what = "two outputs have the same name", .file = output.string()});
     }
   }
 }

@@ -98,8 +98,9 @@ class OutputSet {
   std::vector<OutputFile> files_;
 };
 
-/// Throws UsageError when one of the outputs is one of the inputs, by whatever name: what was
-/// recorded is never replaced. Empty paths and files that do not exist are passed over.
+/// Throws UsageError when one of the outputs is one of the inputs, by whatever name (what was
+/// recorded is never replaced), or two outputs have the same name. Empty paths and files that do
+/// not exist are passed over.
 void refuse_to_replace(const std::vector<std::filesystem::path>& inputs,
                        const std::vector<std::filesystem::path>& outputs);
 

@@ -176,7 +176,11 @@ void ConvertFilesOptions::validate() const {
 ConvertFilesResult convert_files(const FormatRegistry& formats, const ConvertJob& job,
                                  const ConvertFilesOptions& options, const RunContext& ctx) {
   options.validate();
-  refuse_to_replace({job.session, job.previous, job.edits}, {job.output});
+  EditList steps;
+  if (!job.edits.empty()) steps = read_edits(job.edits);
+  std::vector<fs::path> inputs = files_read(steps);
+  inputs.insert(inputs.end(), {job.session, job.previous, job.edits});
+  refuse_to_replace(inputs, {job.output});
   ConvertFilesResult result;
   std::vector<std::string> findings;
   result.session =
@@ -186,7 +190,7 @@ ConvertFilesResult convert_files(const FormatRegistry& formats, const ConvertJob
                          if (level >= LogLevel::warning) findings.emplace_back(text);
                        }));
   if (!job.edits.empty()) {
-    EditResult edited = apply_edits(result.session, read_edits(job.edits), ctx);
+    EditResult edited = apply_edits(result.session, steps, ctx);
     result.session = std::move(edited.take);
     for (const std::string& done : edited.done) ctx.info(done);
   }

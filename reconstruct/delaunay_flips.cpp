@@ -3,16 +3,19 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <set>
 
 namespace kinemesh {
 namespace {
 
 DirectedEdge sorted(VertexIndex a, VertexIndex b) { return {std::min(a, b), std::max(a, b)}; }
 
-bool contains(const std::vector<DirectedEdge>& list, VertexIndex a, VertexIndex b) {
-  return std::find(list.begin(), list.end(), sorted(a, b)) != list.end();
-}
+/// Edges, the smaller vertex first.
+using EdgeSet = std::set<DirectedEdge>;
+
+EdgeSet set_of(const std::vector<DirectedEdge>& list) { return {list.begin(), list.end()}; }
 
 /// Angle between sides b and c of the triangle whose third side is a.
 double angle_opposite(double a, double b, double c) {
@@ -24,25 +27,31 @@ class Flipper {
  public:
   Flipper(EditMesh& mesh, const Points& points, const std::vector<DirectedEdge>& keep,
           const std::vector<DirectedEdge>& avoid)
-      : mesh_(mesh), points_(points), keep_(keep), avoid_(avoid) {}
+      : mesh_(mesh), points_(points), keep_(set_of(keep)), avoid_(set_of(avoid)) {}
 
   /// Flips until nothing gains, with the normals of the mesh at the start.
-  std::size_t run() {
+  std::size_t run(const RunContext& ctx) {
     normals_ = vertex_normals(mesh_, points_);
-    queue_ = inner_edges();
-    gains_.resize(queue_.size());
-    for (std::size_t i = 0; i < queue_.size(); ++i) gains_[i] = gain(queue_[i][0], queue_[i][1]);
+    edges_ = inner_edges();
+    gains_.resize(edges_.size());
+    for (std::size_t i = 0; i < edges_.size(); ++i) {
+      place_of_[edges_[i]] = i;
+      gains_[i] = gain(edges_[i][0], edges_[i][1]);
+      best_.insert({-gains_[i], i});
+    }
     std::size_t flips = 0;
-    const std::size_t limit = 4 * queue_.size() + 10;  // arc lengths are no exact metric
-    for (; flips < limit && !queue_.empty(); ++flips) {
-      const auto best = std::max_element(gains_.begin(), gains_.end());
-      if (!(*best > 1e-7)) break;
-      const auto i = static_cast<std::size_t>(best - gains_.begin());
-      const auto [a, b] = queue_[i];
+    const std::size_t limit = 4 * edges_.size() + 10;  // arc lengths are no exact metric
+    for (; flips < limit && !best_.empty(); ++flips) {
+      const auto [loss, i] = *best_.begin();
+      if (!(-loss > 1e-7)) break;
+      if (flips % 1024 == 0) ctx.check_cancelled();
+      const auto [a, b] = edges_[i];
       const VertexIndex c = mesh_.opposite(a, b);
       const VertexIndex d = mesh_.opposite(b, a);
       mesh_.flip(a, b);
-      queue_[i] = sorted(c, d);
+      place_of_.erase(edges_[i]);
+      edges_[i] = sorted(c, d);
+      place_of_[edges_[i]] = i;
       for (const VertexIndex end : {c, d}) {
         update(end, a);
         update(end, b);
@@ -56,14 +65,19 @@ class Flipper {
   std::vector<DirectedEdge> inner_edges() const {
     std::vector<DirectedEdge> list;
     for (const auto& e : mesh_.edges()) {
-      if (!mesh_.is_boundary_edge(e[0], e[1]) && !contains(keep_, e[0], e[1])) list.push_back(e);
+      if (!mesh_.is_boundary_edge(e[0], e[1]) && !keep_.contains(sorted(e[0], e[1])))
+        list.push_back(e);
     }
     return list;
   }
 
   void update(VertexIndex a, VertexIndex b) {
-    const auto at = std::find(queue_.begin(), queue_.end(), sorted(a, b));
-    if (at != queue_.end()) gains_[static_cast<std::size_t>(at - queue_.begin())] = gain(a, b);
+    const auto at = place_of_.find(sorted(a, b));
+    if (at == place_of_.end()) return;
+    const std::size_t i = at->second;
+    best_.erase({-gains_[i], i});
+    gains_[i] = gain(a, b);
+    best_.insert({-gains_[i], i});
   }
 
   double length(VertexIndex a, VertexIndex b) const {
@@ -75,14 +89,14 @@ class Flipper {
   double gain(VertexIndex a, VertexIndex b) const {
     const VertexIndex c = mesh_.opposite(a, b);
     const VertexIndex d = mesh_.opposite(b, a);
-    if (c == d || mesh_.has_edge(c, d) || contains(avoid_, c, d)) return 0.0;
+    if (c == d || mesh_.has_edge(c, d) || avoid_.contains(sorted(c, d))) return 0.0;
     const double ab = length(a, b), cd = length(c, d);
     const double ac = length(a, c), ad = length(a, d), bc = length(b, c), bd = length(b, d);
     if (angle_opposite(bc, ab, ac) + angle_opposite(bd, ab, ad) >= std::numbers::pi ||
         angle_opposite(ac, ab, bc) + angle_opposite(ad, ab, bd) >= std::numbers::pi) {
       return 0.0;  // the quadrilateral is not convex
     }
-    if (contains(avoid_, a, b)) return 2 * std::numbers::pi;
+    if (avoid_.contains(sorted(a, b))) return 2 * std::numbers::pi;
     if (folds(c, a, d) || folds(d, b, c)) return 0.0;
     const double g = angle_opposite(ab, bc, ac) + angle_opposite(ab, bd, ad) -
                      angle_opposite(cd, ac, ad) - angle_opposite(cd, bc, bd);
@@ -97,11 +111,12 @@ class Flipper {
 
   EditMesh& mesh_;
   const Points& points_;
-  const std::vector<DirectedEdge>& keep_;
-  const std::vector<DirectedEdge>& avoid_;
+  EdgeSet keep_, avoid_;
   Points normals_;
-  std::vector<DirectedEdge> queue_;  ///< inner edges, smaller vertex first
-  std::vector<double> gains_;
+  std::vector<DirectedEdge> edges_;                ///< inner ones, smaller vertex first
+  std::vector<double> gains_;                      ///< of each
+  std::map<DirectedEdge, std::size_t> place_of_;   ///< in edges_
+  std::set<std::pair<double, std::size_t>> best_;  ///< (−gain, place), the best first
 };
 
 }  // namespace
@@ -134,11 +149,11 @@ double arc_length(const Eigen::Vector3d& p, const Eigen::Vector3d& normal_p,
 
 std::size_t flip_to_delaunay(EditMesh& mesh, const Points& points,
                              const std::vector<DirectedEdge>& keep,
-                             const std::vector<DirectedEdge>& avoid) {
+                             const std::vector<DirectedEdge>& avoid, const RunContext& ctx) {
   constexpr int most_rounds = 6;  // each with normals of the mesh that the one before left
   std::size_t total = 0;
   for (int round = 0; round < most_rounds; ++round) {
-    const std::size_t flips = Flipper(mesh, points, keep, avoid).run();
+    const std::size_t flips = Flipper(mesh, points, keep, avoid).run(ctx);
     total += flips;
     if (flips == 0) break;
   }

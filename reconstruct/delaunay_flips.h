@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "config/run_context.h"
 #include "reconstruct/edit_mesh.h"
 
 namespace kinemesh {
@@ -21,6 +22,7 @@ double arc_length(const Eigen::Vector3d& p, const Eigen::Vector3d& normal_p,
 /// vertex first) stay, edges in `avoid` are never made. Returns the number of flips.
 std::size_t flip_to_delaunay(EditMesh& mesh, const Points& points,
                              const std::vector<DirectedEdge>& keep = {},
-                             const std::vector<DirectedEdge>& avoid = {});
+                             const std::vector<DirectedEdge>& avoid = {},
+                             const RunContext& ctx = {});
 
 }  // namespace kinemesh

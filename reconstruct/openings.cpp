@@ -45,6 +45,7 @@ class OpeningCutter {
         original_(original),
         options_(options),
         constraints_(constraints),
+        ctx_(ctx),
         motion_(take, mesh, original, spacing, ctx),
         frame_(find_face_frame(mesh, points, spacing)) {}
 
@@ -120,7 +121,7 @@ class OpeningCutter {
     auto loop = fill_notches(mesh_, points_, strip, largest_notch);
     result_.openings.push_back({name, std::move(loop), score, forced});
   }
-  void flip() { flip_to_delaunay(mesh_, points_, constraints_.edges, constraints_.no_edges); }
+  void flip() { flip_to_delaunay(mesh_, points_, constraints_.edges, constraints_.no_edges, ctx_); }
 
   void cut_mouth();
   void cut_eyes();
@@ -156,6 +157,7 @@ class OpeningCutter {
   const std::vector<VertexIndex>& original_;  // marker of each vertex
   const OpeningOptions& options_;
   const EdgeConstraints& constraints_;
+  const RunContext& ctx_;
   EdgeMotion motion_;
   FaceFrame frame_;
   std::optional<PlacedStrip> mouth_;

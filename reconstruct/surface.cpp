@@ -41,17 +41,19 @@ EditMesh cleaned(const Points& points, const std::vector<Triangle>& triangles) {
 }
 
 /// Holes, left-out markers, rim and flips: from a cleaned mesh to the result.
-bool complete(Surface& s, const Points& points, const SurfaceOptions& options) {
+bool complete(Surface& s, const Points& points, const SurfaceOptions& options,
+              const RunContext& ctx) {
   const double h = s.spacing.mean;
+  ctx.check_cancelled();
   s.holes_filled = fill_holes(s.mesh, points, options.hole_bound * h);
   s.outwardness = orient_outwards(s.mesh, points);
   const auto& [edges, no_edges] = options.constraints;
-  s.flips = flip_to_delaunay(s.mesh, points);
+  s.flips = flip_to_delaunay(s.mesh, points, {}, {}, ctx);
   s.inserted = insert_missing_vertices(s.mesh, points);
-  s.flips += flip_to_delaunay(s.mesh, points);
+  s.flips += flip_to_delaunay(s.mesh, points, {}, {}, ctx);
   if (!options.constraints.empty()) {
     apply_constraints(s.mesh, points, options.constraints);
-    s.flips += flip_to_delaunay(s.mesh, points, edges, no_edges);
+    s.flips += flip_to_delaunay(s.mesh, points, edges, no_edges, ctx);
     s.unmet = apply_constraints(s.mesh, points, options.constraints);
   }
   s.rim_faces_trimmed = trim_rim(s.mesh, points, s.spacing, options.rim_bound, edges);
@@ -59,7 +61,8 @@ bool complete(Surface& s, const Points& points, const SurfaceOptions& options) {
   return is_sound(s.mesh);
 }
 
-bool try_advancing_front(Surface& s, const Points& points, const SurfaceOptions& options) {
+bool try_advancing_front(Surface& s, const Points& points, const SurfaceOptions& options,
+                         const RunContext& ctx) {
   const double most_missing = std::max(2.0, 0.05 * static_cast<double>(points.size()));
   for (const double widening : {1.0, 1.25, 1.6, 0.85}) {
     s.bound = options.edge_bound * widening;
@@ -69,7 +72,7 @@ bool try_advancing_front(Surface& s, const Points& points, const SurfaceOptions&
     s.mesh = cleaned(points, advancing_front(points, bounds));
     if (s.mesh.face_count() == 0 || !has_genus_zero(s.mesh)) continue;
     if (static_cast<double>(count_missing(s.mesh)) > most_missing) continue;
-    if (complete(s, points, options)) return true;
+    if (complete(s, points, options, ctx)) return true;
   }
   return false;
 }
@@ -138,18 +141,19 @@ bool spans_a_surface(const Points& points) {
 }
 
 bool try_chart(Surface& s, const Points& points, const SurfaceOptions& options,
-               const std::vector<Eigen::Vector2d>& chart) {
+               const std::vector<Eigen::Vector2d>& chart, const RunContext& ctx) {
   s.bound = 0.0;
   for (const auto& p : chart) {
     if (!p.allFinite()) return false;
   }
   s.mesh = cleaned(points, planar_delaunay(chart));
-  return s.mesh.face_count() > 0 && complete(s, points, options);
+  return s.mesh.face_count() > 0 && complete(s, points, options, ctx);
 }
 
 }  // namespace
 
-Surface reconstruct_surface(const Points& points, const SurfaceOptions& options) {
+Surface reconstruct_surface(const Points& points, const SurfaceOptions& options,
+                            const RunContext& ctx) {
   const ErrorDetails none{
       .what = "no surface goes through the markers: they lie on a line or at one place",
       .remedy = "Choose the markers with --markers, or another frame with --frame"};
@@ -157,12 +161,12 @@ Surface reconstruct_surface(const Points& points, const SurfaceOptions& options)
   Surface s;
   s.spacing = measure_spacing(points);
   s.method = "advancing front";
-  if (try_advancing_front(s, points, options)) return s;
+  if (try_advancing_front(s, points, options, ctx)) return s;
   s.method = "sphere chart";
-  if (points.size() > 4 && try_chart(s, points, options, sphere_chart(points, s.spacing.mean)))
+  if (points.size() > 4 && try_chart(s, points, options, sphere_chart(points, s.spacing.mean), ctx))
     return s;
   s.method = "plane chart";
-  if (try_chart(s, points, options, plane_chart(points))) return s;
+  if (try_chart(s, points, options, plane_chart(points), ctx)) return s;
   throw NoResultError(none);
 }
 

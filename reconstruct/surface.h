@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "config/run_context.h"
 #include "reconstruct/edge_constraints.h"
 #include "reconstruct/edit_mesh.h"
 #include "reconstruct/marker_spacing.h"
@@ -29,6 +30,7 @@ struct Surface {
 /// All points become vertices of one manifold component of genus 0, outwards, Delaunay by arc
 /// lengths, without a long rim edge. Points in canonical pose (canonical_pose.h) give a result
 /// that depends on their shape alone. Throws NoResultError for points on a line.
-Surface reconstruct_surface(const Points& points, const SurfaceOptions& options);
+Surface reconstruct_surface(const Points& points, const SurfaceOptions& options,
+                            const RunContext& ctx = {});
 
 }  // namespace kinemesh

@@ -65,7 +65,7 @@ TriangulateResult triangulate(const MarkerSequence& take, const TriangulateOptio
   const EdgeConstraints wanted = named_constraints(take, options.edges, options.no_edges);
   const SurfaceOptions surface_options{options.edge_bound, options.rim_bound, options.hole_bound,
                                        renumbered(wanted, position)};
-  Surface surface = reconstruct_surface(pose.points, surface_options);
+  Surface surface = reconstruct_surface(pose.points, surface_options, ctx);
   refuse_unmet(renumbered(surface.unmet, pose.original), take);
   OpeningSearch search =
       cut_openings(surface.mesh, pose.points, surface.spacing.mean, take, pose.original,

@@ -67,6 +67,14 @@ C3dParameter integer_parameter(std::string name, std::vector<double> values,
           .numbers = std::move(values)};
 }
 
+void scale_force_plates(C3dParameters& tree, double factor) {
+  for (const char* place : {"CORNERS", "ORIGIN"}) {
+    C3dParameter* lengths = tree.find("FORCE_PLATFORM", place);
+    if (lengths == nullptr || lengths->type != C3dType::real) continue;
+    for (double& n : lengths->numbers) n *= factor;
+  }
+}
+
 C3dParameter text_parameter(std::string name, std::string_view text) {
   text = text.substr(0, 255);
   return {.name = std::move(name),

@@ -29,6 +29,9 @@ std::optional<uint64_t> long_count(const C3dParameters& tree, std::string_view g
 /// A value as stored in a signed 16-bit integer, taken as unsigned.
 inline double as_unsigned(double value) { return value < 0.0 ? value + 65536.0 : value; }
 
+/// Brings the lengths of the force plates, which stand in the points' unit, into another one.
+void scale_force_plates(C3dParameters& tree, double factor);
+
 /// Parameters ready for C3dParameters::set().
 C3dParameter real_parameter(std::string name, std::vector<double> values,
                             std::vector<uint8_t> dimensions = {});

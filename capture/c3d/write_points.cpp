@@ -156,6 +156,8 @@ void plan_points(const MarkerSequence& take, const C3dWriteOptions& options, C3d
     plan.to_mm = table.to_mm;
     return;
   }
+  const double origin_mm = millimetres_in(take.origin.unit).value_or(1.0);
+  if (unit_mm != origin_mm) scale_force_plates(plan.parameters, origin_mm / unit_mm);
   if (plan.points > 0 || !written.empty())
     update(plan.parameters, "POINT", text_parameter("UNITS", unit));
   for (const Marker& m : take.markers())

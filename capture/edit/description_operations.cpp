@@ -5,6 +5,7 @@
 #include <optional>
 #include <type_traits>
 
+#include "capture/c3d/parameter_access.h"
 #include "capture/c3d/point_table.h"
 #include "capture/edit/anonymise.h"
 #include "capture/edit/operation.h"
@@ -130,11 +131,7 @@ class Units : public EditOperation {
     const double before = millimetres_in(take.origin.unit).value_or(1.0);
     take.origin.scale *= before / *now;  // the same step in the other unit
     scale_rotations(take.rotations, before / *now);
-    for (const char* place : {"CORNERS", "ORIGIN"}) {  // of force plates: in the points' unit, too
-      C3dParameter* lengths = take.parameters.find("FORCE_PLATFORM", place);
-      if (lengths == nullptr) continue;
-      for (double& n : lengths->numbers) n *= before / *now;
-    }
+    scale_force_plates(take.parameters, before / *now);
     const std::string old = take.origin.unit;
     take.origin.unit = unit_;
     return "lengths are written in " + unit_ + " instead of " + old;

@@ -25,6 +25,8 @@ class EditOperation {
   /// The word of `do`.
   virtual std::string_view name() const = 0;
   virtual void declare(ParameterSet& p) = 0;
+  /// Files that it reads, as named in the list.
+  virtual std::vector<std::string> files() const { return {}; }
   /// Changes the take and says what was done, in one sentence without a full stop. Throws
   /// UsageError when the step does not fit the take.
   virtual std::string apply(MarkerSequence& take, const EditContext& context) const = 0;

@@ -62,6 +62,7 @@ class Repair : public EditOperation {
 class Label : public EditOperation {
  public:
   std::string_view name() const override { return "label"; }
+  std::vector<std::string> files() const override { return {file_}; }
   void declare(ParameterSet& p) override {
     p.text("template", file_,
            {.metavar = "FILE",

@@ -35,6 +35,7 @@ class Crop : public EditOperation {
 class Join : public EditOperation {
  public:
   std::string_view name() const override { return "join"; }
+  std::vector<std::string> files() const override { return {file_}; }
   void declare(ParameterSet& p) override {
     p.text("file", file_, {.metavar = "FILE", .help = "the take that follows"});
     p.number("pause", pause_s_,

@@ -245,8 +245,7 @@ void list_left_out(const MarkerSequence& take, ExportFormat format, SessionExpor
   if (!take.rotations.values.empty() && format != ExportFormat::npz)
     result.left_out.push_back(count_of(take.rotations.count, "rotation"));
   const auto not_zero = [](auto value) { return value != 0; };
-  const bool table = format == ExportFormat::csv || format == ExportFormat::trc;
-  if (table && std::ranges::any_of(take.residuals(), not_zero))
+  if (format == ExportFormat::trc && std::ranges::any_of(take.residuals(), not_zero))
     result.left_out.emplace_back("residuals");
   if (format != ExportFormat::npz && std::ranges::any_of(take.camera_masks(), not_zero))
     result.left_out.emplace_back("camera masks");

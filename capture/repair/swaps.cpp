@@ -154,16 +154,19 @@ class SwapFinder {
     return LabelSwap{a, b, f, 0.5 * (own + own_b), 0.5 * (other + other_b)};
   }
 
-  /// A moment later they still are at each other's place: not two spikes.
+  /// A moment later they still are at each other's place, or both are back at their own: not two
+  /// spikes.
   bool lasts(std::size_t a, std::size_t b, std::size_t f) const {
     constexpr std::size_t while_frames = 4;
-    std::size_t kept = 0, seen = 0;
+    bool back = false;
     for (std::size_t k = f + 1; k < motion_.frames() && k <= f + while_frames; ++k) {
       if (!motion_.has(k, a) || !motion_.has(k, b)) continue;
-      ++seen;
-      kept += away(a, b, k, a) < away(a, a, k, b) && away(b, a, k, b) < away(b, b, k, a) ? 1 : 0;
+      const bool a_away = away(a, b, k, a) < away(a, a, k, b);
+      const bool b_away = away(b, a, k, b) < away(b, b, k, a);
+      if (a_away != b_away || (back && a_away)) return false;
+      back = !a_away;
     }
-    return kept == seen;
+    return true;
   }
 
   LocalMotion motion_;

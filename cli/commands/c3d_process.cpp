@@ -82,7 +82,13 @@ void write_take(const Arguments& args, const MarkerSequence& take, Terminal& ter
 
 ExitCode process(Arguments& args, Terminal& terminal) {
   if (!is_c3d(args.output)) export_format_of(args.output);  // said before the work is done
-  refuse_to_replace({args.file, args.edits}, {args.output});
+  EditList steps;
+  if (!args.edits.empty()) steps = read_edits(args.edits);
+  if (args.record.empty() && args.edits.empty()) args.record = args.output + ".edits.toml";
+  const std::string picture = args.picture ? args.output + ".png" : "";
+  std::vector<fs::path> inputs = files_read(steps);
+  inputs.insert(inputs.end(), {args.file, args.edits, args.clean.template_file});
+  refuse_to_replace(inputs, {args.output, args.edits.empty() ? args.record : "", picture});
   if (!args.clean.template_file.empty()) {
     args.clean.template_file = fs::absolute(args.clean.template_file).string();
   }
@@ -93,7 +99,7 @@ ExitCode process(Arguments& args, Terminal& terminal) {
   if (args.edits.empty()) {
     result = clean_take(take, args.clean, working);
   } else {
-    result.edits = read_edits(args.edits);
+    result.edits = std::move(steps);
     EditResult edited = apply_edits(take, result.edits, working);
     result.take = std::move(edited.take);
     result.done = std::move(edited.done);
@@ -101,11 +107,11 @@ ExitCode process(Arguments& args, Terminal& terminal) {
   write_take(args, result.take, terminal);
   std::vector<std::string> outputs{args.output};
   if (args.edits.empty()) {
-    outputs.push_back(args.record.empty() ? args.output + ".edits.toml" : args.record);
+    outputs.push_back(args.record);
     write_file(outputs.back(), edits_toml(result.edits));
   }
   if (args.picture) {
-    outputs.push_back(args.output + ".png");
+    outputs.push_back(picture);
     const Canvas canvas = draw_cleaning(take, result.take, fs::path(args.file).filename().string());
     write_file(outputs.back(), encode_png(canvas.raster(png_scale(canvas))));
   }

@@ -4,7 +4,9 @@
 #include "capture/quality.h"
 #include "capture/session.h"
 #include "cli/commands/commands.h"
+#include "config/error.h"
 #include "config/output_file.h"
+#include "config/text.h"
 #include "report/gap_chart.h"
 #include "report/image.h"
 
@@ -33,6 +35,13 @@ CommandSpec c3d_quality_command() {
         line.json_output();
         return [args](Terminal& terminal) {
           const RunContext& run = terminal.run;
+          if (!args->picture.empty() &&
+              lower(std::filesystem::path(args->picture).extension().string()) != ".png") {
+            throw UsageError(
+                {.what = "the picture is a PNG, and '" + args->picture + "' does not end so",
+                 .remedy = "Name it FILE.png"});
+          }
+          refuse_to_replace({args->file}, {args->picture});
           const MarkerSequence take =
               read_session(args->file, args->read, run.part(0.0, 0.2, "reading"));
           const QualityResult result =

@@ -172,6 +172,16 @@ TEST(C3dWriter, UnitsAreConvertedAndDecodeToTheSameFloats) {
   }
 }
 
+TEST(C3dWriter, ForcePlatesAreWrittenInTheUnitOfThePoints) {
+  MarkerSequence take = make_take(5, 2);
+  take.parameters.set("FORCE_PLATFORM", real_parameter("CORNERS", {520, 0, 0}, {3, 1, 1}));
+  const auto corner = [](const MarkerSequence& t) {
+    return t.parameters.find("FORCE_PLATFORM", "CORNERS")->numbers[0];
+  };
+  EXPECT_NEAR(corner(read_encoded(encode_c3d(take, {.unit = "m"})).take), 0.52, 1e-6);
+  EXPECT_EQ(corner(read_encoded(encode_c3d(take)).take), 520.0);
+}
+
 TEST(C3dWriter, LossesAreSaidBeforeWriting) {
   MarkerSequence take = make_take(5, 2);
   EXPECT_TRUE(c3d_losses(take).empty());

@@ -92,6 +92,29 @@ TEST(Repair, MendsSwapsOfAnyLengthAndTheyCanBeTakenBack) {
   EXPECT_EQ(mended.done.size(), mended.edits.steps.size());
 }
 
+TEST(Repair, MendsExchangesOfAFewFramesAndNothingAfterThem) {
+  const MarkerSequence take = sample("ben_happy");
+  const std::size_t a = take.find("LMOU01");
+  const std::size_t b = take.find("LMOU02");
+  for (const std::size_t length : {1U, 2U, 3U, 4U, 5U, 7U, 10U}) {
+    SCOPED_TRACE(length);
+    MarkerSequence broken = take;
+    for (std::size_t f = 60; f < 60 + length; ++f) {
+      const Eigen::Vector3f p = broken.position(f, a);
+      broken.position(f, a) = broken.position(f, b);
+      broken.position(f, b) = p;
+      std::swap(broken.flags()[broken.sample(f, a)], broken.flags()[broken.sample(f, b)]);
+    }
+    const MarkerSequence mended = repair_take(broken).take;
+    for (std::size_t f = 0; f < take.frame_count(); ++f) {
+      for (const std::size_t m : {a, b}) {
+        if (!take.valid(f, m) || !mended.valid(f, m)) continue;
+        EXPECT_EQ(mended.position(f, m), take.position(f, m)) << f;
+      }
+    }
+  }
+}
+
 TEST(Repair, TakesOutSpikesAndNothingElse) {
   MarkerSequence take = sample("anna_surprise");
   EXPECT_TRUE(find_spikes(take).empty());

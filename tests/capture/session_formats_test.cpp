@@ -167,6 +167,15 @@ TEST(SessionCsv, AFileCutOffInItsLastLineLosesThatFrameOnly) {
                           "cut.csv: line 4: the file is cut off here; this frame is left out"});
 }
 
+TEST(SessionCsv, SaysWhatItCannotHold) {
+  const test::TemporaryFolder folder;
+  MarkerSequence take = sample_take();
+  EXPECT_TRUE(export_session(take, folder.path() / "a.csv").left_out.empty());
+  take.camera_masks()[0] = 3;
+  EXPECT_EQ(export_session(take, folder.path() / "b.csv").left_out,
+            std::vector<std::string>{"camera masks"});
+}
+
 TEST(Trc, ComesBackValueByValue) {
   const test::TemporaryFolder folder;
   const MarkerSequence take = sample_take();
