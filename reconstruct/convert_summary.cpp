@@ -245,8 +245,9 @@ void doubt_uneven_eyes(const ConvertResult& result, std::vector<std::string>& do
   if (3 * fewer >= 2 * more) return;
   doubts.push_back("the ring of the " + std::string(name_of(eyes[0]->name)) + " has only " +
                    count_of(fewer, "marker") + ", that of the other eye " + std::to_string(more) +
-                   ": it may be half open. --no-edge A:B opens it further where A and B are its "
-                   "lids' markers");
+                   ": it may be half open. Look at the picture; --" +
+                   (eyes[0]->name == OpeningName::left_eye ? "left" : "right") +
+                   "-eye closed leaves it out");
 }
 
 void doubt_forced_openings(const ConvertResult& result, std::vector<std::string>& doubts) {

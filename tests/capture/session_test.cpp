@@ -35,6 +35,19 @@ TEST(Session, FormatsAreKnownByContentBeforeTheExtension) {
   EXPECT_THROW(detect_session_format("/dev/null"), InputError);
 }
 
+TEST(Session, APictureIsNoC3dWhateverItsSecondByteAndName) {
+  const test::TemporaryFolder folder;
+  for (const char* name : {"face.png", "face.c3d"}) {
+    write_file(folder.path() / name, "\x89PNG\r\n\x1A\n" + std::string(4000, '\x02'));
+    try {
+      read_session(folder.path() / name);
+      FAIL() << name << " was read";
+    } catch (const InputError& e) {
+      EXPECT_EQ(e.details().what, "this is a picture (PNG), no session");
+    }
+  }
+}
+
 TEST(Session, AC3dAndItsExportsAreTheSameSession) {
   const test::TemporaryFolder folder;
   const MarkerSequence take = test::make_take(30, 6);

@@ -69,6 +69,26 @@ TEST_F(Process, SaysWhatIsWrong) {
   EXPECT_EQ(run({"c3d", "process", in("same.c3d"), "-o", in("same.c3d")}).exit_code, 2);
 }
 
+TEST_F(Process, NothingThatIsReadIsReplacedByAnyOutput) {
+  fs::copy_file(session_, in("take.c3d"));
+  fs::copy_file(session_, in("second.c3d"));
+  write_file(in("join.toml"), "[[edit]]\ndo = \"join\"\nfile = \"second.c3d\"\n");
+  const std::string before = read_file(in("take.c3d"));
+  const std::vector<std::vector<std::string>> attempts{
+      {"c3d", "process", in("take.c3d"), "-o", in("o.c3d"), "--record", in("take.c3d")},
+      {"c3d", "process", in("take.c3d"), "-o", in("o.c3d"), "--record", in("o.c3d")},
+      {"c3d", "process", in("take.c3d"), "-o", in("second.c3d"), "--template", in("second.c3d")},
+      {"c3d", "process", in("take.c3d"), "-o", in("second.c3d"), "--edits", in("join.toml")},
+      {"c3d", "quality", in("take.c3d"), "--picture", in("take.c3d")}};
+  for (const std::vector<std::string>& attempt : attempts) {
+    const auto refused = run(attempt);
+    EXPECT_EQ(refused.exit_code, 2) << refused.out << refused.err;
+  }
+  EXPECT_EQ(read_file(in("take.c3d")), before);
+  EXPECT_EQ(read_file(in("second.c3d")), before);
+  EXPECT_FALSE(fs::exists(in("o.c3d")));
+}
+
 TEST_F(Process, QualityGivesALineJsonAndAPicture) {
   const auto text = run({"c3d", "quality", session_, "--picture", in("q.png")});
   ASSERT_EQ(text.exit_code, 0) << text.err;
