@@ -67,7 +67,7 @@ class Writer {
   void write(const FormatRegistry& formats, const RunContext& ctx) {
     title_ = fs::path(result_.session.origin.path).filename().string();
     const WriteResult written =
-        add_animation(formats, result_.conversion.animation, job_.output, options_.writing, files_,
+        add_animation(formats, result_.conversion.animation, job_.output, writing(), files_,
                       ctx.part(0.0, 0.4, "writing the mesh"));
     for (const std::string& note : written.report.notes) ctx.info(note);
     result_.written.format = written.format;
@@ -84,6 +84,15 @@ class Writer {
                summary_json(result_.session, result_.conversion, shown()));
     refuse_to_replace({job_.session, job_.previous, job_.edits}, files_.paths());
     files_.commit();
+  }
+
+  /// Files with axes of their own are turned by those that the session names.
+  WriteOptions writing() const {
+    WriteOptions all = options_.writing;
+    if (all.gltf.up == GltfUp::automatic && result_.session.origin.y_screen == "+Y") {
+      all.gltf.up = GltfUp::y;
+    }
+    return all;
   }
 
   /// Set when no name may be written.

@@ -248,7 +248,7 @@ class GltfWriter {
   Json description() const {
     Json out{{"frame_count", mesh_.frame_count()},
              {"rate_hz", mesh_.rate_hz},
-             {"up", options_.gltf.up == GltfUp::z ? "z" : "y"},
+             {"up", options_.gltf.up == GltfUp::y ? "y" : "z"},
              {"max_error_mm", animation_.max_error_mm},
              {"rms_error_mm", animation_.rms_error_mm}};
     WriteOptions metres = options_;

@@ -41,7 +41,8 @@ void GltfOptions::declare(ParameterSet& p) {
              "by how far each vertex moves beyond the rigid motion of all"}},
            "vertex colours of glTF files");
   p.choice("gltf-up", up,
-           {{GltfUp::z, "z", "the data's Z axis points up"},
+           {{GltfUp::automatic, "auto", "as the session says, or else Z"},
+            {GltfUp::z, "z", "the data's Z axis points up"},
             {GltfUp::y, "y", "the data's Y axis points up"}},
            "axis that points up, turned to Y in glTF files");
 }

@@ -23,8 +23,9 @@ struct ReadOptions {
 enum class Encoding { binary, binary_big, ascii };
 enum class VertexColour { none, deformation };
 
-/// Which axis of the data points up. glTF prescribes Y; nothing else asks.
-enum class GltfUp { y, z };
+/// Which axis of the data points up. glTF prescribes Y; nothing else asks. A mesh does not know:
+/// automatic is z, unless who writes it has a session that says otherwise.
+enum class GltfUp { automatic, y, z };
 
 /// Options of glTF and GLB alone.
 struct GltfOptions {
@@ -34,7 +35,7 @@ struct GltfOptions {
   /// When above 0: the smallest file whose every vertex in every frame is closer than this.
   double max_error_mm = 0.0;
   VertexColour colour = VertexColour::none;
-  GltfUp up = GltfUp::z;
+  GltfUp up = GltfUp::automatic;
 
   void declare(ParameterSet& p);
   void validate() const { validate_options(*this); }

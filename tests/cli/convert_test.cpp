@@ -186,6 +186,24 @@ TEST(Convert, AForcedEdgeNamesTheMarkerThatIsMissing) {
       << wrong.err;
 }
 
+TEST(Convert, GltfIsTurnedByTheAxesOfTheSession) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "y.toml")
+      << "[[edit]]\ndo = \"axes\"\nfrom = \"z-up\"\npreset = \"y-up\"\n";
+  const auto up_of = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> options{"--no-pictures", "--no-report", "--fill", "linear"};
+    options.insert(options.end(), more.begin(), more.end());
+    convert(test::sample_folder() / "anna_happy.c3d", folder.path() / "face.glb", options);
+    const std::string glb = read_file(folder.path() / "face.glb");
+    return glb.find(R"("up":"y")") != std::string::npos   ? "y"
+           : glb.find(R"("up":"z")") != std::string::npos ? "z"
+                                                          : "";
+  };
+  EXPECT_EQ(up_of({}), "z");
+  EXPECT_EQ(up_of({"--edits", folder.path() / "y.toml"}), "y");
+  EXPECT_EQ(up_of({"--gltf-up", "y"}), "y");
+}
+
 TEST(Convert, CtrlCLeavesNothingBehind) {
   const TemporaryFolder folder;
   bool cancelled = false;
