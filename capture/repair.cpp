@@ -23,9 +23,13 @@ void apply(const LabelSwap& swap, RepairResult& result) {
   const std::string a = name_in(take, swap.a);
   const std::string b = name_in(take, swap.b);
   const std::string from = frame_number(take, swap.from);
-  result.edits.steps.push_back(make_edit("swap", {{"a", {a}}, {"b", {b}}, {"from", {from}}}));
-  swap_samples(result.take, swap.a, swap.b, {swap.from, take.frame_count()});
-  result.done.push_back("exchanged " + a + " and " + b + " from frame " + from + " on: they were " +
+  const std::size_t end = swap.until.value_or(take.frame_count());
+  const std::string to = swap.until ? frame_number(take, end - 1) : "0";  // 0: the last one
+  result.edits.steps.push_back(
+      make_edit("swap", {{"a", {a}}, {"b", {b}}, {"from", {from}}, {"to", {to}}}));
+  swap_samples(result.take, swap.a, swap.b, {swap.from, end});
+  result.done.push_back("exchanged " + a + " and " + b + " from frame " + from +
+                        (swap.until ? " to " + to : " on") + ": they were " +
                         format_fixed(swap.error_mm, 1) +
                         " mm from where their neighbours say, now " +
                         format_fixed(swap.mended_mm, 1) + " mm");

@@ -3,6 +3,7 @@
 // back.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,8 +36,10 @@ struct Spike {
 /// Two markers exchanged their labels.
 struct LabelSwap {
   std::size_t a = 0, b = 0;  ///< indices into markers()
-  std::size_t from = 0;      ///< 0-based: first frame with the wrong labels; wrong to the end, or
-                             ///< until the next swap of the same two
+  std::size_t from = 0;      ///< 0-based: first frame with the wrong labels
+  /// The first right one again; without it they are wrong to the end, or until the next swap of the
+  /// same two.
+  std::optional<std::size_t> until;
   double error_mm = 0.0;     ///< mean distance from where the labels should be, as recorded
   double mended_mm = 0.0;    ///< the same after the exchange
 };
@@ -67,6 +70,7 @@ struct RepairResult {
 /// Swaps: a marker jumps, or comes back from a gap, farther from where its neighbours say it should
 /// be than 0.35 × the distance to the nearest marker and 3 × what is usual for it from one frame to
 /// the next, to where another one should be, and that other one likewise to its place.
+/// When that happens once, in the first frames of the take, these have the wrong labels.
 /// Markers of the body alone are looked at; filled samples are not.
 RepairResult repair_take(const MarkerSequence& take, const RepairOptions& options = {},
                          const RunContext& ctx = {});

@@ -151,7 +151,12 @@ class SwapFinder {
     const double other_b = away(b, a, g, b);
     if (own_b < least_jump(b) || other_b > ratio * own_b) return std::nullopt;
     if (!lasts(a, b, std::max(f, g))) return std::nullopt;
-    return LabelSwap{a, b, f, 0.5 * (own + own_b), 0.5 * (other + other_b)};
+    return LabelSwap{.a = a,
+                     .b = b,
+                     .from = f,
+                     .until = {},
+                     .error_mm = 0.5 * (own + own_b),
+                     .mended_mm = 0.5 * (other + other_b)};
   }
 
   /// A moment later they still are at each other's place, or both are back at their own: not two
@@ -176,6 +181,20 @@ class SwapFinder {
   std::size_t wait_ = 0;
 };
 
+/// One exchange within the first frames: the few before it have the wrong labels, not the rest of
+/// the take.
+void mend_beginnings(std::vector<LabelSwap>& swaps) {
+  constexpr std::size_t first_frames = 10;
+  for (LabelSwap& swap : swaps) {
+    const auto alike = std::ranges::count_if(swaps, [&swap](const LabelSwap& other) {
+      return std::minmax(other.a, other.b) == std::minmax(swap.a, swap.b);
+    });
+    if (alike > 1 || swap.from > first_frames) continue;
+    swap.until = swap.from;
+    swap.from = 0;
+  }
+}
+
 }  // namespace
 
 std::vector<LabelSwap> find_label_swaps(const MarkerSequence& take, const RunContext& ctx,
@@ -187,6 +206,7 @@ std::vector<LabelSwap> find_label_swaps(const MarkerSequence& take, const RunCon
   if (columns.size() < 3) return {};  // nothing says where two markers should be
   SwapFinder finder(LocalMotion::of(take, columns), take.rate_hz);
   std::vector<LabelSwap> swaps = finder.run(ctx);
+  mend_beginnings(swaps);
   for (LabelSwap& s : swaps) {
     s.a = columns[s.a];
     s.b = columns[s.b];

@@ -115,6 +115,29 @@ TEST(Repair, MendsExchangesOfAFewFramesAndNothingAfterThem) {
   }
 }
 
+TEST(Repair, AnExchangeInTheFirstFramesIsMendedThere) {
+  const MarkerSequence take = sample("ben_happy");
+  const std::size_t a = take.find("LMOU01");
+  const std::size_t b = take.find("LMOU02");
+  MarkerSequence broken = take;
+  for (std::size_t f = 0; f < 5; ++f) {
+    ASSERT_TRUE(take.valid(f, a) && take.valid(f, b));
+    broken.position(f, a) = take.position(f, b);
+    broken.position(f, b) = take.position(f, a);
+  }
+  const RepairResult mended = repair_take(broken);
+  ASSERT_EQ(mended.swaps.size(), 1U);
+  EXPECT_EQ(mended.swaps[0].from, 0U);
+  EXPECT_EQ(mended.swaps[0].until, 5U);
+  for (std::size_t f = 0; f < take.frame_count(); ++f) {
+    if (take.valid(f, a)) {
+      EXPECT_EQ(mended.take.position(f, a), take.position(f, a)) << f;
+    }
+  }
+  const EditList again = parse_edits(edits_toml(mended.edits), "edits.toml");
+  EXPECT_EQ(apply_edits(broken, again).take.position(3, a), take.position(3, a));
+}
+
 TEST(Repair, TakesOutSpikesAndNothingElse) {
   MarkerSequence take = sample("anna_surprise");
   EXPECT_TRUE(find_spikes(take).empty());
