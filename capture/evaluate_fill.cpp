@@ -83,10 +83,10 @@ void add(TrialScore& score, const MarkerSequence& truth, double truth_noise, con
     const double error = (estimate.positions[i] - p).norm();
     squares += error * error;
     if (estimate.sd.empty()) continue;
-    const double variance = estimate.sd[i] * estimate.sd[i];
+    const double radius = fill_band_90 * std::sqrt(estimate.sd[i] * estimate.sd[i] + truth_noise);
     ++score.samples;
-    score.within += error <= fill_band_90 * std::sqrt(variance + truth_noise) ? 1 : 0;
-    score.band_sum += fill_band_90 * estimate.sd[i];
+    score.within += error <= radius ? 1 : 0;
+    score.band_sum += radius;
   }
   score.errors.push_back(std::sqrt(squares / static_cast<double>(gap.frames.size())));
 }

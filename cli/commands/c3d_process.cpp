@@ -1,6 +1,7 @@
 // kinemesh c3d process: a session is cleaned, or edited by a list, without touching the original.
 #include <filesystem>
 
+#include "capture/c3d/point_table.h"
 #include "capture/c3d/writer.h"
 #include "capture/clean.h"
 #include "capture/edit_list.h"
@@ -74,6 +75,9 @@ void write_take(const Arguments& args, const MarkerSequence& take, Terminal& ter
   if (is_c3d(args.output)) {
     write_c3d(take, args.output, args.write, ctx);  // warns of what is lost
     return;
+  }
+  if (millimetres_in(take.origin.unit).value_or(1.0) != 1.0) {
+    terminal.run.warn("Only C3D is written in " + take.origin.unit + "; this file is in mm.");
   }
   for (const std::string& part : export_session(take, args.output, ctx).left_out) {
     terminal.run.warn("This format cannot hold " + part + ".");
