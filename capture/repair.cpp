@@ -28,11 +28,10 @@ void apply(const LabelSwap& swap, RepairResult& result) {
   result.edits.steps.push_back(
       make_edit("swap", {{"a", {a}}, {"b", {b}}, {"from", {from}}, {"to", {to}}}));
   swap_samples(result.take, swap.a, swap.b, {swap.from, end});
-  result.done.push_back("exchanged " + a + " and " + b + " from frame " + from +
-                        (swap.until ? " to " + to : " on") + ": they were " +
-                        format_fixed(swap.error_mm, 1) +
-                        " mm from where their neighbours say, now " +
-                        format_fixed(swap.mended_mm, 1) + " mm");
+  result.done.push_back(
+      "exchanged " + a + " and " + b + " from frame " + from + (swap.until ? " to " + to : " on") +
+      ": they were " + format_fixed(swap.error_mm, 1) +
+      " mm from where their neighbours say, now " + format_fixed(swap.mended_mm, 1) + " mm");
 }
 
 void apply(const Spike& spike, RepairResult& result) {

@@ -40,8 +40,8 @@ struct LabelSwap {
   /// The first right one again; without it they are wrong to the end, or until the next swap of the
   /// same two.
   std::optional<std::size_t> until;
-  double error_mm = 0.0;     ///< mean distance from where the labels should be, as recorded
-  double mended_mm = 0.0;    ///< the same after the exchange
+  double error_mm = 0.0;   ///< mean distance from where the labels should be, as recorded
+  double mended_mm = 0.0;  ///< the same after the exchange
 };
 
 /// A marker goes elsewhere within one frame and stays there, and no other one took its place: its
