@@ -7,6 +7,7 @@
 
 #include "config/error.h"
 #include "config/input_file.h"
+#include "config/json_text.h"
 #include "config/output_file.h"
 #include "config/text.h"
 
@@ -189,7 +190,9 @@ void write_features(const std::filesystem::path& path, const FeatureSet& set) {
 
 FeatureSet read_features(const std::filesystem::path& path) {
   const std::string file = path.string();
-  const json document = json::parse(read_file(path, std::size_t{1} << 32U), nullptr, false);
+  const std::string text = read_file(path, std::size_t{1} << 32U);
+  refuse_deep_json(text, file);
+  const json document = json::parse(text, nullptr, false);
   if (document.is_discarded()) refuse(file, "", "the file is not JSON");
   const Fields fields(document, file, "the top level");
   if (fields.text("format") != format_name) refuse(file, "format", "this is no file of features");

@@ -7,6 +7,7 @@
 
 #include "config/error.h"
 #include "config/input_file.h"
+#include "config/json_text.h"
 #include "config/text.h"
 #include "mesh/formats/ply_header.h"
 
@@ -96,6 +97,7 @@ std::vector<double> read_marked_regions(const std::vector<std::filesystem::path>
     if (lower(file.extension().string()) == ".ply") {
       mark_ply(text, marked, file.string());
     } else {
+      refuse_deep_json(text, file.string());
       const auto json = nlohmann::json::parse(text, nullptr, false);
       if (json.is_discarded()) refuse(file.string(), "the file is not JSON");
       mark_json(json.is_object() && json.contains("regions") ? json["regions"] : json, marked,

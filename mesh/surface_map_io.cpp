@@ -8,6 +8,7 @@
 
 #include "config/error.h"
 #include "config/input_file.h"
+#include "config/json_text.h"
 #include "config/output_file.h"
 #include "config/text.h"
 #include "mesh/formats/npz.h"
@@ -145,6 +146,7 @@ std::string to_json(const SurfaceMap& map) {
 }
 
 SurfaceMap from_json(const std::string& text, const std::string& file) try {
+  refuse_deep_json(text, file);
   const nlohmann::json json = nlohmann::json::parse(text);
   if (json.at("format") != format_name) refuse(file, "format", "this is no surface map");
   SurfaceMap map{json.value("source", ""), json.value("target", ""), {}, {}};

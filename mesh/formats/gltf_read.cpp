@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "config/error.h"
+#include "config/json_text.h"
 #include "config/text.h"
 #include "mesh/formats/bytes.h"
 #include "mesh/formats/gltf.h"
@@ -169,7 +170,15 @@ class GltfReader {
     }
   }
 
+  /// Many nodes may show the same data: what is unpacked is bounded by the file's size, though.
+  void require_room(std::size_t values) const {
+    if (values > std::max(file_bytes_, std::size_t{1} << 20)) {
+      d_.fail("scene", "its meshes have more values than the file has bytes");
+    }
+  }
+
   void append_points(const std::vector<double>& points, const Eigen::Affine3d& transform) {
+    require_room(positions_.size() + points.size());
     for (std::size_t i = 0; i < points.size(); i += 3) {
       const Eigen::Vector3d p =
           transform * Eigen::Vector3d(points[i], points[i + 1], points[i + 2]);
@@ -209,6 +218,7 @@ class GltfReader {
     }
     if (corners.size() % 3 != 0)
       d_.fail("mesh", "the number of its corners is no multiple of three");
+    require_room(3 * data_.faces.size() + corners.size());
     for (std::size_t i = 0; i < corners.size(); i += 3) {
       Triangle t{};
       for (std::size_t corner = 0; corner < 3; ++corner) {
@@ -227,10 +237,10 @@ class GltfReader {
 
   /// The weights of `node` in the first animation.
   void read_track(std::size_t node, Part& part) {
-    const Json animations = d_.json.value("animations", Json::array());
-    if (animations.empty()) return;
-    if (animations.size() > 1) warn("animations after the first are left out");
-    const Json& animation = animations[0];
+    const auto animations = d_.json.find("animations");
+    if (animations == d_.json.end() || animations->empty()) return;
+    if (animations->size() > 1) warn("animations after the first are left out");
+    const Json& animation = animations->at(0);
     for (const Json& channel : animation.at("channels")) {
       const Json& target = channel.at("target");
       if (target.value("path", "") != "weights") {
@@ -442,6 +452,7 @@ MeshData decode_gltf(std::span<const std::byte> bytes, const std::string& name,
     const Chunks chunks = chunks_of(bytes, name);
     Document document;
     document.name = name;
+    refuse_deep_json(chunks.json, name);
     document.json = Json::parse(chunks.json);
     if (!document.json.is_object()) document.fail("JSON", "it is no object");
     std::vector<std::string> owned;

@@ -10,6 +10,7 @@
 #include "mesh/formats/mesh_io.h"
 #include "mesh/formats/point_cache.h"
 #include "mesh/formats/vtp.h"
+#include "report/image.h"
 #include "tests/support/random_animation.h"
 #include "tests/support/temporary_folder.h"
 
@@ -91,6 +92,38 @@ Outcome read_pvd_bytes(std::span<const std::byte> bytes) {
   return Outcome::read;
 }
 
+std::string written(const AnimatedMesh& mesh, const std::string& file) {
+  const test::TemporaryFolder folder;
+  write_animation(builtin_mesh_formats(), mesh, folder.path() / "a.gltf");
+  return read_file(folder.path() / file);
+}
+
+/// The JSON form: its numbers in a file beside it, and the same inside as base64.
+std::vector<Seed> gltf_seeds() {
+  const AnimatedMesh mesh = test::smooth_animation(5, 4, 40, 60.0);
+  std::string inside = written(mesh, "a.gltf");
+  const std::size_t at = inside.find("\"a.bin\"");
+  inside.replace(at, 7,
+                 "\"data:application/octet-stream;base64," + base64(written(mesh, "a.bin")) + '"');
+  return {{.name = "made-beside", .bytes = written(mesh, "a.gltf")},
+          {.name = "made-inside", .bytes = inside}};
+}
+
+Target gltf_target() {
+  return {
+      .name = "gltf",
+      .extensions = {".gltf"},
+      .run =
+          [](std::span<const std::byte> bytes) {
+            static const std::string beside =
+                written(test::smooth_animation(5, 4, 40, 60.0), "a.bin");
+            return build(decode_gltf(bytes, "mutant", [](const std::string&) { return beside; }));
+          },
+      .own_seeds = gltf_seeds,
+      .payload = {},
+      .max_seed_bytes = std::size_t{1} << 17};
+}
+
 }  // namespace
 
 std::vector<Target> mesh_targets() {
@@ -103,6 +136,7 @@ std::vector<Target> mesh_targets() {
                               target_of("glb", "a.glb", {Encoding::binary}),
                               bytes_target("pc2", "a.pc2", ".pc2", decode_pc2),
                               bytes_target("mdd", "a.mdd", ".mdd", decode_mdd)};
+  targets.push_back(gltf_target());
   Target stl = target_of("stl", "", {});
   stl.own_seeds = stl_seeds;
   targets.push_back(stl);

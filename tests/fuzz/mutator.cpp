@@ -42,6 +42,66 @@ std::string telling_value(Random& r) {
   return values[r.below(values.size())];
 }
 
+/// True for what looks like text: text formats get mutations of their own.
+bool is_text(const std::string& bytes) {
+  const std::string_view head = std::string_view(bytes).substr(0, head_bytes);
+  return !head.empty() && std::ranges::none_of(head, [](char c) {
+    return static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\r' && c != '\t';
+  });
+}
+
+/// Words that break counts, indices and numbers written out.
+std::string_view telling_word(Random& r) {
+  static constexpr std::array<std::string_view, 24> words = {"0",
+                                                             "-1",
+                                                             "1",
+                                                             "4294967295",
+                                                             "4294967296",
+                                                             "2147483648",
+                                                             "18446744073709551615",
+                                                             "99999999999999999999",
+                                                             "nan",
+                                                             "-inf",
+                                                             "1e999",
+                                                             "1e-400",
+                                                             "1e38",
+                                                             "0x10",
+                                                             "1.5",
+                                                             "-0",
+                                                             "",
+                                                             "\"",
+                                                             "\t\t\t",
+                                                             ",,,,",
+                                                             "\r\n\r\n",
+                                                             "[[[[",
+                                                             "\xEF\xBB\xBF",
+                                                             "null"};
+  return words[r.below(words.size())];
+}
+
+/// Another word for one of the text, or a line twice, missing or at another place.
+void change_text(std::string& bytes, Random& r) {
+  if (bytes.empty()) return;
+  const std::size_t at = place(r, bytes.size(), 0);
+  const std::string_view blanks = " \t\r\n,;:\"/<>[]{}";
+  if (r.below(4) != 0) {
+    const std::size_t before = bytes.find_last_of(blanks, at);
+    const std::size_t begin = before == std::string::npos ? 0 : before + 1;
+    const std::size_t end = std::min(bytes.find_first_of(blanks, begin), bytes.size());
+    bytes.replace(begin, end - begin, telling_word(r));
+    return;
+  }
+  const std::size_t before = at == 0 ? std::string::npos : bytes.rfind('\n', at - 1);
+  const std::size_t begin = before == std::string::npos ? 0 : before + 1;
+  const std::size_t end = std::min(bytes.find('\n', at), bytes.size() - 1) + 1;
+  const std::string line = bytes.substr(begin, end - begin);
+  if (r.below(2) == 0) bytes.erase(begin, line.size());
+  const std::size_t copies = r.below(3);
+  const std::size_t where =
+      r.below(2) == 0 ? std::min(begin, bytes.size()) : r.below(bytes.size() + 1);
+  for (std::size_t i = 0; i < copies; ++i) bytes.insert(where, line);
+}
+
 /// Changes that keep the size.
 void change(std::string& bytes, Random& r, std::size_t begin) {
   if (bytes.size() <= begin) return;
@@ -99,9 +159,12 @@ Mutant make_mutant(std::span<const Seed> seeds, uint64_t number) {
   const Seed& seed = seeds[mutant.seed];
   mutant.bytes = seed.bytes;
   mutant.payload_only = seed.payload < seed.bytes.size() && r.below(4) == 0;
+  const bool text = is_text(seed.bytes);
   const std::size_t changes = 1 + r.below(r.below(4) == 0 ? 24 : 3);
   for (std::size_t i = 0; i < changes; ++i) {
-    if (!mutant.payload_only && r.below(4) == 0) {
+    if (text && r.below(2) == 0) {
+      change_text(mutant.bytes, r);
+    } else if (!mutant.payload_only && r.below(4) == 0) {
       resize(mutant.bytes, r, seeds);
     } else {
       change(mutant.bytes, r, mutant.payload_only ? seed.payload : 0);

@@ -324,6 +324,26 @@ TEST(Gltf, DamagedFilesAreExplained) {
     "count":1000000000000}]})")
                 .find("more elements than the file has bytes"),
             std::string::npos);
+  const std::string deep(300000, '[');
+  EXPECT_NE(message(R"({"asset":{"version":"2.0"},"scenes":[{"nodes":)" + deep).find("nested"),
+            std::string::npos);
+}
+
+TEST(Gltf, DataThatManyNodesShareAreBounded) {
+  const std::string zeros(4000, 'A');  // base64 of 3,000 zero bytes: 1,000 points of bytes
+  std::string text = R"({"asset":{"version":"2.0"},"meshes":[{"primitives":[{"mode":0,"attributes":
+    {"POSITION":0}}]}],"accessors":[{"bufferView":0,"componentType":5121,"count":1000,"type":"VEC3"}],
+    "bufferViews":[{"buffer":0,"byteLength":3000}],"buffers":[{"byteLength":3000,"uri":
+    "data:application/octet-stream;base64,)" +
+                     zeros + R"("}],"nodes":[{"mesh":0})";
+  const auto read = [&](int nodes) {
+    std::string all = text;
+    for (int i = 1; i < nodes; ++i) all += R"(,{"mesh":0})";
+    all += "]}";
+    return decode_gltf(std::as_bytes(std::span(all)), "x.gltf").vertex_count;
+  };
+  EXPECT_EQ(read(3), 3000U);
+  EXPECT_THROW(read(2000), InputError);
 }
 
 TEST(MorphAnimation, SplineThroughStraightPiecesIsExact) {
