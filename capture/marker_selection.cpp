@@ -134,12 +134,30 @@ void warn_of_invalid(const MarkerSequence& take, MarkerSelectionResult& result) 
   }
 }
 
+/// True when the take was recorded, but nobody gave its points their names.
+bool only_unlabelled(const MarkerSequence& take) {
+  const auto count = [&](MarkerKind kind) {
+    return std::ranges::count(take.markers(), kind, &Marker::kind);
+  };
+  return count(MarkerKind::unlabelled) > 0 && count(MarkerKind::marker) == 0;
+}
+
 [[noreturn]] void nothing_left(const MarkerSequence& take, const MarkerSelectionResult& result) {
   std::vector<std::string> reasons;
   for (const MarkerDecision& d : result.decisions) {
     if (std::ranges::find(reasons, d.text) == reasons.end()) reasons.push_back(d.text);
   }
   if (reasons.size() > 4) reasons.resize(4);
+  if (only_unlabelled(take)) {
+    throw NoResultError(
+        {.what = "None of the take's " + count_of(take.marker_count(), "point") +
+                 " has a label, so that no marker is chosen",
+         .file = take.origin.path,
+         .remedy =
+             "Label them after another take of the subject with \"kinemesh c3d process TAKE.c3d "
+             "--template LABELLED.c3d -o labelled.c3d\", or take them as they are with "
+             "--kind unlabelled"});
+  }
   throw NoResultError(
       {.what = take.marker_count() == 0
                    ? "The take has no markers"

@@ -43,11 +43,14 @@ std::string describe_options(const CLI::App& app) {
   return text;
 }
 
-void complete(const CLI::App& app, const std::string& path, std::string& cases) {
+/// A case for each command, and the list of commands.
+void complete(const CLI::App& app, const std::string& path, std::string& cases,
+              std::vector<std::string>& paths) {
   std::vector<std::string> words;
   for (const CLI::App* sub : subcommands_of(app)) {
     words.push_back(sub->get_name());
-    complete(*sub, path + (path.empty() ? "" : " ") + sub->get_name(), cases);
+    paths.push_back(path + (path.empty() ? "" : " ") + sub->get_name());
+    complete(*sub, std::string(paths.back()), cases, paths);
   }
   for (const CLI::Option* option : options_of(app)) {
     for (const std::string& name : option->get_lnames()) words.push_back("--" + name);
@@ -57,13 +60,23 @@ void complete(const CLI::App& app, const std::string& path, std::string& cases) 
 
 }  // namespace
 
+namespace {
+
+/// "kinemesh c3d info".
+std::string command_of(const Program& program, const CLI::App& app) {
+  for (const Program::Entry& entry : program.entries) {
+    if (entry.app == &app) return "kinemesh " + entry.spec.path;
+  }
+  return "kinemesh";
+}
+
+}  // namespace
+
 std::string man_page(const Program& program, const CLI::App& app, const std::string& path) {
   std::string text =
       ".TH " + troff(upper(path)) + " 1 \"\" \"kinemesh " + version_number() + "\"\n";
   text += ".SH NAME\n" + troff(path) + " \\- " + troff(app.get_description()) + "\n";
-  std::string command = path;
-  if (&app != &program.app) std::ranges::replace(command, '-', ' ');
-  text += ".SH SYNOPSIS\n.B " + troff(command) + "\n";
+  text += ".SH SYNOPSIS\n.B " + troff(command_of(program, app)) + "\n";
   for (const CLI::Option* option : options_of(app)) {
     if (option->get_positional()) text += "\\fI" + troff(option->get_name(true)) + "\\fR\n";
   }
@@ -81,20 +94,25 @@ std::string man_page(const Program& program, const CLI::App& app, const std::str
 
 std::string bash_completion(const Program& program) {
   std::string cases;
-  complete(program.app, "", cases);
+  std::vector<std::string> paths;
+  complete(program.app, "", cases, paths);
   return "# bash completion for kinemesh, generated from its own command line\n"
          "_kinemesh() {\n"
-         "  local current=\"${COMP_WORDS[COMP_CWORD]}\" path=\"\" words i\n"
-         "  for ((i = 1; i < COMP_CWORD && i <= 2; i++)); do\n"
-         "    case \"${COMP_WORDS[i]}\" in -* | *.* | */*) break ;; esac\n"
-         "    path=\"${path:+$path }${COMP_WORDS[i]}\"\n"
+         "  local current=\"${COMP_WORDS[COMP_CWORD]}\" path=\"\" words=\"\" i\n"
+         "  for ((i = 1; i < COMP_CWORD; i++)); do\n"
+         "    case \"${path:+$path }${COMP_WORDS[i]}\" in\n"
+         "    \"" +
+         join(paths, "\" | \"") +
+         "\")\n"
+         "      path=\"${path:+$path }${COMP_WORDS[i]}\" ;;\n"
+         "    esac\n"
          "  done\n"
          "  case \"$path\" in\n" +
          cases +
-         "    *) path=\"${path%% *}\"; words=\"\" ;;\n"
          "  esac\n"
-         "  COMPREPLY=($(compgen -W \"$words\" -- \"$current\"))\n"
-         "  [[ $current == -* ]] || COMPREPLY+=($(compgen -f -- \"$current\"))\n"
+         "  mapfile -t COMPREPLY < <(\n"
+         "    compgen -W \"$words\" -- \"$current\"\n"
+         "    [[ $current == -* ]] || compgen -f -- \"$current\")\n"
          "}\n"
          "complete -o filenames -F _kinemesh kinemesh\n";
 }

@@ -53,11 +53,18 @@ std::size_t fill_linearly(const MarkerSequence& take, std::size_t marker, std::s
   return filled;
 }
 
+/// The markers; the points without labels where there is nothing else.
+MarkerKind kind_to_show(const MarkerSequence& take) {
+  const bool any = std::ranges::count(take.markers(), MarkerKind::marker, &Marker::kind) > 0;
+  return any ? MarkerKind::marker : MarkerKind::unlabelled;
+}
+
 MeshData points_of(const MarkerSequence& take, const std::string& file) {
   std::vector<std::size_t> chosen;
   std::size_t never_seen = 0;
+  const MarkerKind kind = kind_to_show(take);
   for (std::size_t m = 0; m < take.marker_count(); ++m) {
-    if (take.markers()[m].kind != MarkerKind::marker) continue;
+    if (take.markers()[m].kind != kind) continue;
     bool seen = false;
     for (std::size_t f = 0; f < take.frame_count() && !seen; ++f) seen = take.valid(f, m);
     if (seen) chosen.push_back(m);
@@ -74,6 +81,10 @@ MeshData points_of(const MarkerSequence& take, const std::string& file) {
   for (std::size_t v = 0; v < chosen.size(); ++v) {
     filled += fill_linearly(take, chosen[v], v, data);
     data.vertex_names.push_back(vertex_name_of(take.markers()[chosen[v]]));
+  }
+  if (kind == MarkerKind::unlabelled) {
+    data.warnings.emplace_back(
+        "no point has a label; 'kinemesh c3d process --template' gives them");
   }
   if (never_seen > 0) {
     data.warnings.push_back(count_of(never_seen, "marker") + " never measured, left out");

@@ -46,6 +46,20 @@ TEST(MarkerSelection, LeavesUnlabelledNonMarkersAndTheHeadRigAside) {
   EXPECT_TRUE(result.warnings.empty());
 }
 
+TEST(MarkerSelection, ATakeWithoutAnyLabelIsToldHowToGetThem) {
+  const MarkerSequence take =
+      take_of({marker("*0", "", MarkerKind::unlabelled), marker("*1", "", MarkerKind::unlabelled)});
+  try {
+    select_markers(take);
+    FAIL();
+  } catch (const NoResultError& e) {
+    EXPECT_NE(e.details().remedy.find("kinemesh c3d process TAKE.c3d --template"),
+              std::string::npos)
+        << e.details().remedy;
+  }
+  EXPECT_EQ(select_markers(take, {.kinds = {"unlabelled"}}).chosen.size(), 2U);
+}
+
 TEST(MarkerSelection, TakesWhatIsAskedFor) {
   const MarkerSequence take = mixed_take();
   const auto chosen = [&](const MarkerSelectionOptions& options) {
