@@ -74,6 +74,9 @@ class Writer {
     result_.written.lost = written.report.lost;
     result_.written.max_error_mm = written.report.max_error_mm;
     result_.written.rms_error_mm = written.report.rms_error_mm;
+    for (const fs::path& file : written.files) {
+      result_.written.mesh_files.push_back(file.string());
+    }
     list(written.files.front());
     if (written.files.size() > 1) list(written.files.back());
     if (options_.pictures) draw(ctx.part(0.4, 0.7, "drawing"));
@@ -109,8 +112,8 @@ class Writer {
   WrittenMesh shown() const {
     WrittenMesh shown = result_.written;
     if (!anonymiser) return shown;
-    for (std::string& path : shown.outputs) {
-      path = (*anonymiser)(fs::path(path).filename().string());
+    for (auto* paths : {&shown.outputs, &shown.mesh_files}) {
+      for (std::string& path : *paths) path = (*anonymiser)(fs::path(path).filename().string());
     }
     return shown;
   }

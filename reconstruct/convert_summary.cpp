@@ -346,6 +346,7 @@ std::string summary_json(const MarkerSequence& session, const ConvertResult& res
                          {"doubtful", doubts_of(result)},
                          {"written",
                           {{"format", written.format},
+                           {"mesh_files", written.mesh_files},
                            {"not_kept", written.lost},
                            {"max_error_mm", written.max_error_mm},
                            {"rms_error_mm", written.rms_error_mm}}},

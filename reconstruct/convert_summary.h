@@ -11,7 +11,8 @@ namespace kinemesh {
 
 /// What became of the mesh when it was written.
 struct WrittenMesh {
-  std::vector<std::string> outputs;  ///< all files; of a numbered mesh the first and the last
+  std::vector<std::string> outputs;     ///< all files; of a numbered mesh the first and the last
+  std::vector<std::string> mesh_files;  ///< every file of the mesh
   std::string format;
   std::vector<std::string> lost;  ///< what the mesh has and the format has no place for
   double max_error_mm = 0.0;      ///< of formats that do not keep every float

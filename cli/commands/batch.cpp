@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <thread>
 
 #include "capture/formats/mesh_formats.h"
@@ -327,8 +328,9 @@ class Batch {
     o.state = State::done;
     o.record.output = journal_.name_of(output(i));
     o.record.key = keys_[i];
-    for (const Json& path : json.at("outputs")) {
-      const auto name = path.get<std::string>();
+    auto names = json.at("written").at("mesh_files").get<std::set<std::string>>();
+    for (const Json& path : json.at("outputs")) names.insert(path.get<std::string>());
+    for (const std::string& name : names) {
       std::error_code ignored;
       o.record.files.push_back({journal_.name_of(name), fs::file_size(name, ignored)});
     }

@@ -1,7 +1,15 @@
 // kinemesh batch, as an operator types it.
 #include <gtest/gtest.h>
 
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "config/input_file.h"
 #include "config/output_file.h"
@@ -101,6 +109,85 @@ TEST(Batch, CtrlCStopsItAndResumeGoesOn) {
   const Json resumed = Json::parse(batch({study, "--json", "--resume"}).out);
   EXPECT_NE(outcome(resumed, 0), "cancelled");
   EXPECT_TRUE(fs::exists(folder.path() / "out/anna_surprise.ply"));
+}
+
+TEST(Batch, AMissingFrameOfANumberedMeshIsNoticed) {
+  const TemporaryFolder folder;
+  const std::string study = study_in(folder).string();
+  write_file(study,
+             "output = \"out\"\nextension = \".pvd\"\n[options.pictures]\npictures = false\n"
+             "report = false\n[options.gaps]\nfill = \"linear\"\nmax-gap = 60\n"
+             "[options.write]\nframes = \"11:20\"\n"
+             "[[session]]\nsession = \"anna_happy.c3d\"\n");
+  EXPECT_EQ(outcome(Json::parse(batch({study, "--json"}).out), 0), "done");
+  EXPECT_EQ(outcome(Json::parse(batch({study, "--json", "--resume"}).out), 0), "finished before");
+  std::vector<fs::path> frames;
+  for (const auto& entry : fs::recursive_directory_iterator(folder.path() / "out")) {
+    if (entry.path().extension() == ".vtp") frames.push_back(entry.path());
+  }
+  ASSERT_EQ(frames.size(), 10U);
+  fs::remove(folder.path() / "out/anna_happy_frames" / frames[4].filename());
+  EXPECT_EQ(outcome(Json::parse(batch({study, "--json", "--resume"}).out), 0), "done");
+  EXPECT_TRUE(fs::exists(frames[4]));
+}
+
+/// Ends a batch of one session after the other by SIGKILL, as a power cut would, as soon as its
+/// first session is noted.
+void kill_after_the_first(const std::string& study, const fs::path& journal) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::execl(KINEMESH_PROGRAM, KINEMESH_PROGRAM, "batch", study.c_str(), "--jobs", "1", "-q",
+            nullptr);
+    std::_Exit(127);
+  }
+  for (int waited = 0; waited < 6000; ++waited) {
+    std::error_code none;
+    if (fs::exists(journal, none) && fs::file_size(journal, none) > 2) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(60));  // the next one is under way
+  ::kill(child, SIGKILL);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFSIGNALED(status)) << "it came to its end before";
+}
+
+TEST(Batch, AfterAPowerCutItGoesOnWhereItWas) {
+  const TemporaryFolder folder;
+  const std::string study = study_in(folder).string();
+  // The second takes long enough to be cut off: it is filled the careful way.
+  fs::copy_file(test::sample_folder() / "ben_happy.c3d", folder.path() / "ben_happy.c3d");
+  write_file(study,
+             "output = \"out\"\n[options.pictures]\npictures = false\nreport = false\n"
+             "[options.gaps]\neffort = \"full\"\n"
+             "[[session]]\nsession = \"anna_happy.c3d\"\n"
+             "[[session]]\nsession = \"ben_happy.c3d\"\n");
+  const fs::path out = folder.path() / "out";
+  kill_after_the_first(study, out / "study.journal");
+  const std::string first = read_file(out / "anna_happy.pc2");
+  const auto made = fs::last_write_time(out / "anna_happy.pc2");
+  EXPECT_FALSE(fs::exists(out / "ben_happy.pc2"));
+  // What the cut may leave: a temporary file, and a line of the journal that breaks off.
+  write_file(out / ".ben_happy.pc2.999999999-0.tmp", "half");
+  std::ofstream(out / "study.journal", std::ios::app) << "{\"output\":\"ben_ha";
+
+  const Json resumed = Json::parse(batch({study, "--json", "--resume"}).out);
+  EXPECT_EQ(outcome(resumed, 0), "finished before");
+  EXPECT_EQ(outcome(resumed, 1), "done");
+  EXPECT_EQ(read_file(out / "anna_happy.pc2"), first);
+  EXPECT_EQ(fs::last_write_time(out / "anna_happy.pc2"), made);
+  for (const auto& entry : fs::directory_iterator(out)) {
+    EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
+  }
+  const Json again = Json::parse(batch({study, "--json", "--resume"}).out);
+  EXPECT_EQ(outcome(again, 1), "finished before");
+
+  // Another input under the same name, or other options, are made again.
+  fs::copy_file(test::sample_folder() / "ben_surprise.c3d", folder.path() / "ben_happy.c3d",
+                fs::copy_options::overwrite_existing);
+  const Json other = Json::parse(batch({study, "--json", "--resume", "--dry-run"}).out);
+  EXPECT_EQ(outcome(other, 0), "finished before");
+  EXPECT_EQ(outcome(other, 1), "not begun");
 }
 
 TEST(Batch, WrongUsageIsSaid) {
