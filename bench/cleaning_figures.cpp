@@ -1,5 +1,5 @@
 // What docs/capture.md states about cleaning, measured on the samples and on generated takes with
-// known truth: `cleaning_figures speed|stabilise|labels|swaps [DATA]`, one JSON object a line.
+// known truth: `cleaning_figures speed|stabilise|labels|swaps|spikes`, one JSON object a line.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <chrono>
@@ -17,6 +17,7 @@
 #include "capture/session.h"
 #include "capture/stabilise.h"
 #include "tests/support/data.h"
+#include "tests/support/faults.h"
 #include "tests/support/samples.h"
 #include "tests/support/shuffled_take.h"
 
@@ -277,6 +278,121 @@ void swaps() {
   }
 }
 
+/// RMS distance from the truth: of all measured samples, and of those in `spikes`.
+struct Off {
+  double all_mm = 0.0, in_spikes_mm = 0.0;
+};
+
+Off off_from(const MarkerSequence& take, const MarkerSequence& truth, const MarkerSequence& seen,
+             const std::vector<Spike>& spikes) {
+  double all = 0.0, count = 0.0, there = 0.0, spiky = 0.0;
+  for (std::size_t f = 0; f < truth.frame_count(); ++f) {
+    for (std::size_t m = 0; m < truth.marker_count(); ++m) {
+      if (!seen.valid(f, m) || !take.valid(f, m)) continue;
+      all += (take.position(f, m) - truth.position(f, m)).squaredNorm();
+      count += 1.0;
+    }
+  }
+  for (const Spike& s : spikes) {
+    for (std::size_t f = s.frames.begin; f < s.frames.end; ++f) {
+      there += (take.position(f, s.marker) - truth.position(f, s.marker)).squaredNorm();
+      spiky += 1.0;
+    }
+  }
+  return {std::sqrt(all / count), std::sqrt(there / spiky)};
+}
+
+void report_spikes(const std::string& name, const MarkerSequence& take, const MarkerSequence& truth,
+                   double share, uint32_t seed) {
+  const SpikyTake spiky = with_spikes(take, share, seed);
+  const CleanResult cleaned = clean_take(spiky.take);
+  const RepairResult repaired = repair_take(spiky.take);
+  std::size_t small = 0, small_missed = 0;
+  const std::size_t missed = not_among(spiky.spikes, repaired.spikes);
+  for (const Spike& s : spiky.spikes) {
+    if (s.deviation_mm > 5.0) continue;
+    ++small;
+    small_missed += not_among({s}, repaired.spikes);
+  }
+  const Off before = off_from(spiky.take, truth, take, spiky.spikes);
+  const Off after = off_from(cleaned.take, truth, take, spiky.spikes);
+  const Off clean = off_from(take, truth, take, spiky.spikes);
+  std::printf(
+      "{\"take\": \"%s\", \"share_percent\": %.2f, \"put\": %zu, \"missed\": %zu, \"small\": %zu, "
+      "\"small_missed\": %zu, \"found\": %zu, \"false\": %zu, \"swaps\": %zu, \"jumps\": %zu, "
+      "\"before_mm\": %.4f, \"after_mm\": %.4f, \"without_spikes_mm\": %.4f, "
+      "\"there_before_mm\": %.4f, \"there_after_mm\": %.4f}\n",
+      name.c_str(), 100.0 * share, spiky.spikes.size(), missed, small, small_missed,
+      repaired.spikes.size(), not_among(repaired.spikes, spiky.spikes), repaired.swaps.size(),
+      repaired.jumps.size(), before.all_mm, after.all_mm, clean.all_mm, before.in_spikes_mm,
+      after.in_spikes_mm);
+}
+
+/// Every `step`th frame only: the same motion, faster.
+MarkerSequence faster(const MarkerSequence& take, std::size_t step) {
+  MarkerSequence out((take.frame_count() + step - 1) / step, take.markers(), take.rate_hz);
+  std::ranges::fill(out.flags(), uint8_t{0});
+  for (std::size_t f = 0; f < out.frame_count(); ++f) {
+    for (std::size_t m = 0; m < take.marker_count(); ++m) {
+      out.position(f, m) = take.position(step * f, m);
+      out.flags()[out.sample(f, m)] = take.flags()[take.sample(step * f, m)];
+      out.residuals()[out.sample(f, m)] = 0.0F;
+      out.camera_masks()[out.sample(f, m)] = 0;
+    }
+  }
+  return out;
+}
+
+/// Motion of all kinds without a spike, at two and three times its speed too.
+void clean_motion() {
+  const MotionKind kinds[] = {MotionKind::happy, MotionKind::surprise, MotionKind::jaw,
+                              MotionKind::brows, MotionKind::blinks,   MotionKind::pucker,
+                              MotionKind::talk,  MotionKind::puff,     MotionKind::pucker_jaw};
+  for (std::size_t i = 0; i < 9; ++i) {
+    TakeOptions options;
+    options.short_gaps = 66;
+    options.head_degrees = 6;
+    options.head_mm = 25;
+    options.head_rig = true;
+    options.rate_hz = i % 2 == 0 ? 60 : 120;
+    options.seed = 300 + i;
+    const SyntheticTake take = make_take(sample_face(i % 2 == 0 ? "ben" : "anna"),
+                                         sample_layout(i % 2 == 0 ? "ben" : "anna"),
+                                         vary(make_motion(kinds[i]), i), options);
+    for (const std::size_t step : {std::size_t{1}, std::size_t{2}, std::size_t{3}}) {
+      report_spikes(take.motion.name + " x" + std::to_string(step), faster(take.measured, step),
+                    faster(take.truth, step), 0.0, 1);
+    }
+  }
+  const auto folder = data_folder() / "c3d_face";
+  if (!std::filesystem::exists(folder)) return;
+  for (const char* name : {"AnimFace-Jaw", "AnimFace-Eyebrows"}) {
+    const MarkerSequence take = read_session(folder / (std::string(name) + ".c3d"));
+    for (const std::size_t step : {std::size_t{2}, std::size_t{3}, std::size_t{4}}) {
+      const MarkerSequence fast = faster(take, step);
+      report_spikes(std::string(name) + " x" + std::to_string(step), fast, fast, 0.0, 1);
+    }
+  }
+}
+
+/// Spikes at known places, few and many.
+void spikes() {
+  clean_motion();
+  const auto folder = data_folder() / "c3d_face";
+  for (const double share : {0.0, 0.002, 0.01}) {
+    const auto seed = static_cast<uint32_t>(1 + 1000 * share);
+    for (const char* name : {"anna_happy", "anna_surprise", "ben_happy"}) {
+      const SyntheticTake take = make_sample(name);
+      report_spikes(name, take.measured, take.truth, share, seed);
+    }
+    if (!std::filesystem::exists(folder)) continue;
+    for (const char* name : {"AnimFace-Jaw", "AnimFace-Eyebrows"}) {
+      const MarkerSequence take = read_session(folder / (std::string(name) + ".c3d"));
+      report_spikes(name, take, take, share, seed);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace kinemesh::test
 
@@ -286,4 +402,5 @@ int main(int argc, char** argv) {
   if (what == "stabilise") kinemesh::test::stabilise();
   if (what == "labels") kinemesh::test::labels();
   if (what == "swaps") kinemesh::test::swaps();
+  if (what == "spikes") kinemesh::test::spikes();
 }

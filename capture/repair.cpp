@@ -1,6 +1,7 @@
 #include "capture/repair.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "capture/edit/operation.h"
 #include "capture/formats/table_text.h"
@@ -52,6 +53,44 @@ void apply(const Spike& spike, RepairResult& result) {
                         (from == to ? "" : " to " + to));
 }
 
+/// Where the marker of a spike would be if its path went straight from the sample before to the one
+/// behind, where both are seen.
+std::optional<Eigen::Vector3f> bridged(const MarkerSequence& take, std::size_t m,
+                                       const FrameRange& frames, std::size_t f) {
+  if (frames.begin == 0 || frames.end >= take.frame_count()) return std::nullopt;
+  if (!take.valid(frames.begin - 1, m) || !take.valid(frames.end, m)) return std::nullopt;
+  const float share =
+      static_cast<float>(f - frames.begin + 1) / static_cast<float>(frames.end - frames.begin + 1);
+  return (1.0F - share) * take.position(frames.begin - 1, m) + share * take.position(frames.end, m);
+}
+
+/// The marker is where another one should be, which left its path in the same frame: labels were
+/// exchanged for a moment, and nothing is to be thrown away.
+bool exchanged(const MarkerSequence& take, const Spike& spike, const std::vector<Spike>& all) {
+  constexpr double close = 0.4;
+  const std::size_t f = spike.frames.begin;
+  return std::ranges::any_of(all, [&](const Spike& other) {
+    if (other.marker == spike.marker || f < other.frames.begin || f >= other.frames.end) {
+      return false;
+    }
+    const auto there = bridged(take, other.marker, other.frames, f);
+    return there && (take.position(f, spike.marker) - *there).norm() < close * spike.deviation_mm;
+  });
+}
+
+/// Spikes are taken out before labels are compared, lest they be taken for exchanges; and again
+/// afterwards, when the paths are in order.
+void repair_spikes(RepairResult& result, bool labels_may_be_wrong, const RepairOptions& options,
+                   const RunContext& ctx) {
+  const std::vector<Spike> found = find_spikes(result.take, options, ctx);
+  std::vector<Spike> out;
+  for (const Spike& spike : found) {
+    if (!labels_may_be_wrong || !exchanged(result.take, spike, found)) out.push_back(spike);
+  }
+  for (const Spike& spike : out) apply(spike, result);
+  result.spikes.insert(result.spikes.end(), out.begin(), out.end());
+}
+
 }  // namespace
 
 void RepairOptions::declare(ParameterSet& p) {
@@ -73,14 +112,16 @@ RepairResult repair_take(const MarkerSequence& take, const RepairOptions& option
   options.validate();
   RepairResult result;
   result.take = take;
+  if (options.spikes && options.swaps) {
+    repair_spikes(result, true, options, ctx.part(0.0, 0.3, "looking for spikes"));
+  }
   if (options.swaps) {
     result.swaps =
-        find_label_swaps(take, ctx.part(0.0, 0.6, "looking for label swaps"), &result.jumps);
+        find_label_swaps(result.take, ctx.part(0.3, 0.7, "looking for label swaps"), &result.jumps);
     for (const LabelSwap& swap : result.swaps) apply(swap, result);
   }
   if (options.spikes) {
-    result.spikes = find_spikes(result.take, options, ctx.part(0.6, 1.0, "looking for spikes"));
-    for (const Spike& spike : result.spikes) apply(spike, result);
+    repair_spikes(result, false, options, ctx.part(0.7, 1.0, "looking for spikes"));
     std::erase_if(result.jumps, [&](const Jump& jump) {  // it came back
       return std::ranges::any_of(result.spikes, [&](const Spike& s) {
         return s.marker == jump.marker && s.frames.begin <= jump.frame &&

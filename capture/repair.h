@@ -18,7 +18,7 @@ namespace kinemesh {
 struct RepairOptions {
   bool spikes = true;
   double spike_mm = 1.0;     ///< smaller deviations are no spikes
-  double spike_ratio = 8.0;  ///< deviations below this many robust standard deviations are none
+  double spike_ratio = 5.0;  ///< deviations below this many robust standard deviations are none
   double spike_length_s = 0.035;  ///< longer ones are no spikes
   bool swaps = true;
 

@@ -2,6 +2,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <initializer_list>
+#include <optional>
 
 #include "capture/repair.h"
 #include "capture/repair/local_motion.h"
@@ -56,43 +59,139 @@ double robust_sd(const std::vector<double>& values, std::size_t begin, std::size
   return kept.empty() ? 0.0 : of_normal * median_of(kept);
 }
 
-/// Lagrange interpolation through four samples.
-Eigen::Vector3d through(const Path& path, const std::array<std::ptrdiff_t, 4>& knots,
+/// Samples to interpolate through, the nearest first.
+struct Knots {
+  std::vector<std::ptrdiff_t> before, after;
+};
+
+/// Lagrange interpolation through samples.
+Eigen::Vector3d through(const Path& path, std::initializer_list<std::ptrdiff_t> knots,
                         std::ptrdiff_t f) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < 4; ++i) {
+  for (const std::ptrdiff_t i : knots) {
     double weight = 1.0;
-    for (std::size_t j = 0; j < 4; ++j) {
-      if (j == i) continue;
-      weight *= static_cast<double>(f - knots[j]) / static_cast<double>(knots[i] - knots[j]);
+    for (const std::ptrdiff_t j : knots) {
+      if (j != i) weight *= static_cast<double>(f - j) / static_cast<double>(i - j);
     }
-    sum += weight * path[knots[i]];
+    sum += weight * path[i];
   }
   return sum;
 }
 
-/// The largest deviation when [f, f + length) is a spike; 0 when it is none.
-double spike_at(const Path& path, std::ptrdiff_t f, std::ptrdiff_t length, double least) {
-  const std::ptrdiff_t end = f + length;
-  for (std::ptrdiff_t k = f - 3; k < end + 3; ++k) {
-    if (!path.has(k)) return 0.0;
+constexpr std::ptrdiff_t reach = 6;  // frames beside a spike in which samples are looked for
+
+/// Up to three samples on either side of [f, end), without `skipped`.
+Knots knots_around(const Path& path, std::ptrdiff_t f, std::ptrdiff_t end, std::ptrdiff_t skipped) {
+  constexpr std::size_t most = 3;
+  Knots knots;
+  for (std::ptrdiff_t k = f - 1; k >= f - reach && knots.before.size() < most; --k) {
+    if (k != skipped && path.has(k)) knots.before.push_back(k);
   }
-  const std::array<std::ptrdiff_t, 4> around = {f - 2, f - 1, end, end + 1};
+  for (std::ptrdiff_t k = end; k < end + reach && knots.after.size() < most; ++k) {
+    if (k != skipped && path.has(k)) knots.after.push_back(k);
+  }
+  return knots;
+}
+
+/// Where the samples around say that the marker was in frame f: a cubic, or a parabola where there
+/// is one sample alone on one side. Nothing where there are too few.
+std::optional<Eigen::Vector3d> expected(const Path& path, const Knots& at, std::ptrdiff_t f) {
+  const auto& b = at.before;
+  const auto& a = at.after;
+  if (b.size() >= 2 && a.size() >= 2) return through(path, {b[1], b[0], a[0], a[1]}, f);
+  if (b.size() == 1 && a.size() >= 3) return through(path, {b[0], a[0], a[1]}, f);
+  if (a.size() == 1 && b.size() >= 3) return through(path, {b[1], b[0], a[0]}, f);
+  return std::nullopt;
+}
+
+/// Without the spike the path is smooth: the samples beside it fit those around them.
+bool smooth_without(const Path& path, const Knots& at, double most) {
+  constexpr double smooth = 0.35;
+  const auto fits = [&](const std::vector<std::ptrdiff_t>& near,
+                        const std::vector<std::ptrdiff_t>& far) {
+    if (near.size() < 2) return true;  // the neighbours are asked instead
+    const Eigen::Vector3d there = near.size() > 2 && far.size() > 1
+                                      ? through(path, {near[2], near[1], far[0], far[1]}, near[0])
+                                  : far.size() > 1
+                                      ? through(path, {near[1], far[0], far[1]}, near[0])
+                                      : through(path, {near[2], near[1], far[0]}, near[0]);
+    return (path[near[0]] - there).norm() < smooth * most;
+  };
+  return fits(at.before, at.after) && fits(at.after, at.before);
+}
+
+/// The path goes on where it was: a marker that stays elsewhere is no spike.
+bool goes_on(const Path& path, const Knots& at, double most) {
+  Eigen::Vector3d pace = Eigen::Vector3d::Zero();
+  double sides = 0.0;
+  for (const auto* side : {&at.before, &at.after}) {
+    if (side->size() < 2) continue;
+    const auto& k = *side;
+    pace += (path[k[1]] - path[k[0]]) / static_cast<double>(k[1] - k[0]);
+    sides += 1.0;
+  }
+  pace *= static_cast<double>(at.after[0] - at.before[0]) / sides;
+  return (path[at.after[0]] - path[at.before[0]] - pace).norm() < most;
+}
+
+/// One marker, its neighbours, and the least deviation of a spike.
+struct Suspect {
+  const Path& path;
+  const LocalMotion& motion;
+  std::size_t marker = 0;
+  double least = 0.0;
+};
+
+/// The neighbours agree that the marker cannot have been there, seen from either side.
+bool neighbours_disagree(const Suspect& s, const Knots& at, std::ptrdiff_t f) {
+  return std::ranges::all_of(std::array{at.before[0], at.after[0]}, [&](std::ptrdiff_t from) {
+    const Eigen::Vector3d there = s.motion.carried(
+        s.marker, s.path[from], static_cast<std::size_t>(from), static_cast<std::size_t>(f));
+    return (s.path[f] - there).norm() >= s.least;
+  });
+}
+
+/// The largest deviation when [f, f + length) is a spike, 0 when it is none; `skipped`: a sample
+/// beside it that must be off as well, and is not asked.
+double spike_at(const Suspect& s, std::ptrdiff_t f, std::ptrdiff_t length, std::ptrdiff_t skipped) {
+  const std::ptrdiff_t end = f + length;
+  const Knots at = knots_around(s.path, f, end, skipped);
+  const auto off = [&](std::ptrdiff_t k) {
+    const auto there = expected(s.path, at, k);
+    return there ? (s.path[k] - *there).norm() : 0.0;
+  };
+  if (skipped >= 0 && off(skipped) < s.least) return 0.0;
+  const bool alone = std::min(at.before.size(), at.after.size()) < 2;
   double most = 0.0;
   for (std::ptrdiff_t k = f; k < end; ++k) {
-    const double deviation = (path[k] - through(path, around, k)).norm();
-    if (deviation < least) return 0.0;
+    const double deviation = s.path.has(k) ? off(k) : 0.0;
+    if (deviation < s.least) return 0.0;
+    if (alone && !neighbours_disagree(s, at, k)) return 0.0;
     most = std::max(most, deviation);
   }
-  // Without the spike the path must be smooth.
-  const double before = (path[f - 1] - through(path, {f - 3, f - 2, end, end + 1}, f - 1)).norm();
-  const double after = (path[end] - through(path, {f - 2, f - 1, end + 1, end + 2}, end)).norm();
-  constexpr double smooth = 0.35;
-  if (std::max(before, after) >= smooth * most) return 0.0;
-  // And go on where it was: a marker that stays elsewhere is no spike.
-  const Eigen::Vector3d pace = 0.5 * (path[f - 1] - path[f - 2] + path[end + 1] - path[end]) *
-                               static_cast<double>(length + 1);
-  return (path[end] - path[f - 1] - pace).norm() < most ? most : 0.0;
+  return smooth_without(s.path, at, most) && goes_on(s.path, at, most) ? most : 0.0;
+}
+
+/// The same; where a second spike close by spoils the look around, without one of its samples.
+double spike_near_others(const Suspect& s, std::ptrdiff_t f, std::ptrdiff_t length) {
+  double most = spike_at(s, f, length, -1);
+  if (most > 0.0) return most;
+  const Knots at = knots_around(s.path, f, f + length, -1);
+  for (const auto* side : {&at.before, &at.after}) {
+    for (std::size_t i = 0; i < std::min<std::size_t>(2, side->size()); ++i) {
+      most = std::max(most, spike_at(s, f, length, (*side)[i]));
+    }
+  }
+  return most;
+}
+
+/// A first look: off the line between the samples before and after.
+bool suspicious(const Suspect& s, std::ptrdiff_t f) {
+  std::ptrdiff_t b = f - 1, a = f + 1;
+  while (b >= f - reach && !s.path.has(b)) --b;
+  while (a <= f + reach && !s.path.has(a)) ++a;
+  if (b < f - reach || a > f + reach) return false;
+  return (s.path[f] - through(s.path, {b, a}, f)).norm() >= 0.4 * s.least;
 }
 
 /// Frames that a spike may last.
@@ -140,16 +239,21 @@ double spike_at_end(const Path& path, const LocalMotion& motion, std::size_t mar
   return most;
 }
 
-/// Spikes at both ends of every run of samples.
-void add_end_spikes(const Path& path, const LocalMotion& motion, std::size_t marker,
-                    std::ptrdiff_t longest, const RepairOptions& options, std::vector<Spike>& out) {
+/// Spikes at both ends of every run of samples, as `recorded`.
+void add_end_spikes(const Path& path, const std::vector<uint8_t>& recorded,
+                    const LocalMotion& motion, std::size_t marker, std::ptrdiff_t longest,
+                    const RepairOptions& options, std::vector<Spike>& out) {
   const std::vector<double> bends = accelerations(path);
   const double least =
       std::max(options.spike_mm, options.spike_ratio * robust_sd(bends, 0, bends.size(), {}));
   const auto count = static_cast<std::ptrdiff_t>(path.seen.size());
   for (std::ptrdiff_t f = 0; f < count; ++f) {
     for (const std::ptrdiff_t inward : {std::ptrdiff_t{1}, std::ptrdiff_t{-1}}) {
-      if (!path.has(f) || path.has(f - inward)) continue;
+      const std::ptrdiff_t outside = f - inward;
+      if (!path.has(f) ||
+          (outside >= 0 && outside < count && recorded[static_cast<std::size_t>(outside)] != 0)) {
+        continue;
+      }
       constexpr std::ptrdiff_t around = 15;
       const auto begin = static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, f - around));
       const auto end = static_cast<std::size_t>(std::min(count, f + around));
@@ -168,30 +272,78 @@ void add_end_spikes(const Path& path, const LocalMotion& motion, std::size_t mar
   }
 }
 
-std::vector<Spike> spikes_of(const Path& path, std::size_t marker, double rate_hz,
-                             const RepairOptions& options) {
+/// All spikes between samples that the path shows as it is.
+std::vector<Spike> spikes_between(const Suspect& s, const std::vector<double>& bends,
+                                  std::ptrdiff_t longest, double ratio) {
   std::vector<Spike> out;
-  const std::vector<double> bends = accelerations(path);
-  const double own = robust_sd(bends, 0, bends.size(), {});
-  const double least = std::max(options.spike_mm, options.spike_ratio * own);
-  const std::ptrdiff_t longest = longest_spike(rate_hz, options);
-  for (std::size_t f = 1; f + 1 < bends.size(); ++f) {
-    if (bends[f] < 0.5 * least) continue;  // the first sample of a spike bends the path at least so
-    for (std::ptrdiff_t length = 1; length <= longest; ++length) {
-      const double deviation = spike_at(path, static_cast<std::ptrdiff_t>(f), length, least);
+  const auto count = static_cast<std::ptrdiff_t>(s.path.seen.size());
+  for (std::ptrdiff_t f = 0; f < count; ++f) {
+    if (!s.path.has(f) || !suspicious(s, f)) continue;
+    for (std::ptrdiff_t length = 1; length <= longest && f + length < count; ++length) {
+      const double deviation = spike_near_others(s, f, length);
       if (deviation <= 0.0) continue;
-      const FrameRange frames{f, f + static_cast<std::size_t>(length)};
+      const FrameRange frames{static_cast<std::size_t>(f), static_cast<std::size_t>(f + length)};
       constexpr std::size_t around = 15;
-      const std::size_t begin = f > around ? f - around : 0;
+      const std::size_t begin = frames.begin > around ? frames.begin - around : 0;
       const std::size_t end = std::min(bends.size(), frames.end + around);
-      const double local = robust_sd(bends, begin, end, {f - 1, frames.end + 1});
-      if (deviation < options.spike_ratio * local) continue;
-      out.push_back({marker, frames, deviation});
-      f = frames.end;
+      const FrameRange bent{frames.begin > 0 ? frames.begin - 1 : 0, frames.end + 1};
+      if (deviation < ratio * robust_sd(bends, begin, end, bent)) continue;
+      out.push_back({s.marker, frames, deviation});
       break;
     }
   }
   return out;
+}
+
+/// Those without a sample between them as one. What is longer than a spike may be is none.
+std::vector<Spike> joined(std::vector<Spike> spikes, std::ptrdiff_t longest, Path& path) {
+  std::ranges::sort(spikes, {}, [](const Spike& s) { return s.frames.begin; });
+  std::vector<Spike> out;
+  for (const Spike& spike : spikes) {
+    if (out.empty() || out.back().frames.end < spike.frames.begin) {
+      out.push_back(spike);
+      continue;
+    }
+    out.back().frames.end = spike.frames.end;
+    out.back().deviation_mm = std::max(out.back().deviation_mm, spike.deviation_mm);
+  }
+  std::erase_if(out, [&](const Spike& spike) {
+    if (static_cast<std::ptrdiff_t>(spike.frames.size()) <= longest) return false;
+    for (std::size_t f = spike.frames.begin; f < spike.frames.end; ++f) path.seen[f] = 1;
+    return true;
+  });
+  return out;
+}
+
+/// The largest first: once they are out, the look around the others is clear.
+std::vector<Spike> spikes_of(Path& path, const LocalMotion& motion, std::size_t marker,
+                             double rate_hz, const RepairOptions& options) {
+  const std::vector<double> bends = accelerations(path);
+  const double own = robust_sd(bends, 0, bends.size(), {});
+  const Suspect suspect{path, motion, marker,
+                        std::max(options.spike_mm, options.spike_ratio * own)};
+  const std::ptrdiff_t longest = longest_spike(rate_hz, options);
+  std::vector<Spike> out;
+  constexpr int rounds = 8;
+  for (int round = 0; round < rounds; ++round) {
+    std::vector<Spike> found = spikes_between(suspect, bends, longest, options.spike_ratio);
+    std::ranges::stable_sort(found, std::greater(), &Spike::deviation_mm);
+    const std::size_t before = out.size();
+    for (const Spike& spike : found) {
+      constexpr auto apart = static_cast<std::size_t>(reach);
+      const bool clear = std::none_of(out.begin() + static_cast<std::ptrdiff_t>(before), out.end(),
+                                      [&](const Spike& other) {
+                                        return spike.frames.begin < other.frames.end + apart &&
+                                               other.frames.begin < spike.frames.end + apart;
+                                      });
+      if (clear) out.push_back(spike);
+    }
+    if (out.size() == before) break;
+    for (std::size_t i = before; i < out.size(); ++i) {
+      for (std::size_t f = out[i].frames.begin; f < out[i].frames.end; ++f) path.seen[f] = 0;
+    }
+  }
+  return joined(std::move(out), longest, path);
 }
 
 }  // namespace
@@ -205,9 +357,11 @@ std::vector<Spike> find_spikes(const MarkerSequence& take, const RepairOptions& 
   const LocalMotion motion = LocalMotion::of(take, columns);
   std::vector<std::vector<Spike>> found(columns.size());
   parallel_for(ctx, columns.size(), 4, [&](std::size_t k) {
-    const Path path = path_of(take, columns[k]);
-    found[k] = spikes_of(path, k, take.rate_hz, options);
-    add_end_spikes(path, motion, k, longest_spike(take.rate_hz, options), options, found[k]);
+    Path path = path_of(take, columns[k]);
+    const std::vector<uint8_t> seen = path.seen;
+    found[k] = spikes_of(path, motion, k, take.rate_hz, options);
+    add_end_spikes(path, seen, motion, k, longest_spike(take.rate_hz, options), options, found[k]);
+    std::ranges::sort(found[k], {}, [](const Spike& s) { return s.frames.begin; });
     for (Spike& spike : found[k]) spike.marker = columns[k];
   });
   std::vector<Spike> all;
