@@ -293,13 +293,13 @@ Off off_from(const MarkerSequence& take, const MarkerSequence& truth, const Mark
       count += 1.0;
     }
   }
-  for (const Spike& s : spikes) {
+  for (const Spike& s : spikes) {  // none: 0
     for (std::size_t f = s.frames.begin; f < s.frames.end; ++f) {
       there += (take.position(f, s.marker) - truth.position(f, s.marker)).squaredNorm();
       spiky += 1.0;
     }
   }
-  return {std::sqrt(all / count), std::sqrt(there / spiky)};
+  return {std::sqrt(all / count), std::sqrt(there / std::max(spiky, 1.0))};
 }
 
 void report_spikes(const std::string& name, const MarkerSequence& take, const MarkerSequence& truth,

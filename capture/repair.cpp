@@ -97,7 +97,10 @@ void RepairOptions::declare(ParameterSet& p) {
   p.group("repair", "Repair");
   p.flag("spikes", spikes, "take out samples that leave the marker's path for a moment");
   p.number("spike-size", spike_mm,
-           {.unit = "mm", .min = 0.0, .max = 1000.0, .help = "smaller deviations are no spikes"});
+           {.unit = "mm",
+            .min = 0.0,
+            .max = 1000.0,
+            .help = "smaller deviations are no spikes; this for each frame of the spike"});
   p.number("spike-ratio", spike_ratio,
            {.min = 1.0,
             .max = 1000.0,

@@ -57,16 +57,18 @@ struct RepairResult {
   std::vector<Spike> spikes;
   std::vector<LabelSwap> swaps;
   std::vector<Jump> jumps;        ///< left as they are
-  EditList edits;                 ///< the same as steps: swap and delete, in the order applied
+  EditList edits;                 ///< the same as steps, in the order applied
   std::vector<std::string> done;  ///< one sentence each, with frame numbers as in the file
 };
 
-/// Spikes: up to `spike_length_s` in which every sample is farther than spike_mm, spike_ratio × the
-/// marker's own robust standard deviation (1.4826 × median) of the acceleration (as the distance
-/// from the mean of the samples beside it) and as many × that of its surroundings from the cubic
-/// through the samples around, while these fit each other without the spike and the path goes on
-/// where it was. Where the path ends, at a gap or with the take, they must be as far (the more, the
-/// more frames) both from where it leads and from where the neighbours go.
+/// Spikes: up to `spike_length_s` in which every sample is farther than spike_mm × frames and
+/// spike_ratio × the robust standard deviation (1.4826 × median) of the acceleration (as the
+/// distance from the mean of the samples beside it), of the marker and of the spike's surroundings,
+/// from the cubic through the samples around, while these fit each other without the spike and the
+/// path goes on where it was. Where one sample alone is left on a side, the neighbours must
+/// disagree as well; where the path ends, the samples must be off both from where it leads and from
+/// where the neighbours go. Taken out before swaps are sought, except where two markers are at each
+/// other's place, and again behind.
 /// Swaps: a marker jumps, or comes back from a gap, farther from where its neighbours say it should
 /// be than 0.35 × the distance to the nearest marker and 3 × what is usual for it from one frame to
 /// the next, to where another one should be, and that other one likewise to its place.

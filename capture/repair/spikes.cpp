@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <initializer_list>
 #include <optional>
 
@@ -104,20 +103,19 @@ std::optional<Eigen::Vector3d> expected(const Path& path, const Knots& at, std::
   return std::nullopt;
 }
 
-/// Without the spike the path is smooth: the samples beside it fit those around them.
-bool smooth_without(const Path& path, const Knots& at, double most) {
-  constexpr double smooth = 0.35;
-  const auto fits = [&](const std::vector<std::ptrdiff_t>& near,
-                        const std::vector<std::ptrdiff_t>& far) {
-    if (near.size() < 2) return true;  // the neighbours are asked instead
+/// How far the samples beside the spike are from where those around them lead, without the spike.
+double misfit(const Path& path, const Knots& at) {
+  const auto off = [&](const std::vector<std::ptrdiff_t>& near,
+                       const std::vector<std::ptrdiff_t>& far) {
+    if (near.size() < 2) return 0.0;  // the neighbours are asked instead
     const Eigen::Vector3d there = near.size() > 2 && far.size() > 1
                                       ? through(path, {near[2], near[1], far[0], far[1]}, near[0])
                                   : far.size() > 1
                                       ? through(path, {near[1], far[0], far[1]}, near[0])
                                       : through(path, {near[2], near[1], far[0]}, near[0]);
-    return (path[near[0]] - there).norm() < smooth * most;
+    return (path[near[0]] - there).norm();
   };
-  return fits(at.before, at.after) && fits(at.after, at.before);
+  return std::max(off(at.before, at.after), off(at.after, at.before));
 }
 
 /// The path goes on where it was: a marker that stays elsewhere is no spike.
@@ -151,38 +149,51 @@ bool neighbours_disagree(const Suspect& s, const Knots& at, std::ptrdiff_t f) {
   });
 }
 
-/// The largest deviation when [f, f + length) is a spike, 0 when it is none; `skipped`: a sample
-/// beside it that must be off as well, and is not asked.
-double spike_at(const Suspect& s, std::ptrdiff_t f, std::ptrdiff_t length, std::ptrdiff_t skipped) {
+/// A spike, and how well the path fits without it.
+struct Finding {
+  Spike spike;
+  double roughness = 1.0;  ///< misfit of the samples beside it, in relation to its size
+};
+
+/// Is [f, f + length) a spike? `skipped`: a sample beside it that must be off as well, and is not
+/// asked.
+std::optional<Finding> spike_at(const Suspect& s, std::ptrdiff_t f, std::ptrdiff_t length,
+                                std::ptrdiff_t skipped) {
   const std::ptrdiff_t end = f + length;
   const Knots at = knots_around(s.path, f, end, skipped);
   const auto off = [&](std::ptrdiff_t k) {
     const auto there = expected(s.path, at, k);
     return there ? (s.path[k] - *there).norm() : 0.0;
   };
-  if (skipped >= 0 && off(skipped) < s.least) return 0.0;
+  if (skipped >= 0 && off(skipped) < s.least) return std::nullopt;
   const bool alone = std::min(at.before.size(), at.after.size()) < 2;
   double most = 0.0;
   for (std::ptrdiff_t k = f; k < end; ++k) {
     const double deviation = s.path.has(k) ? off(k) : 0.0;
-    if (deviation < s.least) return 0.0;
-    if (alone && !neighbours_disagree(s, at, k)) return 0.0;
+    if (deviation < s.least) return std::nullopt;
+    if (alone && !neighbours_disagree(s, at, k)) return std::nullopt;
     most = std::max(most, deviation);
   }
-  return smooth_without(s.path, at, most) && goes_on(s.path, at, most) ? most : 0.0;
+  constexpr double smooth = 0.35;
+  const double roughness = misfit(s.path, at) / most;
+  if (roughness >= smooth || !goes_on(s.path, at, most)) return std::nullopt;
+  const FrameRange frames{static_cast<std::size_t>(f), static_cast<std::size_t>(end)};
+  return Finding{{s.marker, frames, most}, roughness};
 }
 
 /// The same; where a second spike close by spoils the look around, without one of its samples.
-double spike_near_others(const Suspect& s, std::ptrdiff_t f, std::ptrdiff_t length) {
-  double most = spike_at(s, f, length, -1);
-  if (most > 0.0) return most;
+std::optional<Finding> spike_near_others(const Suspect& s, std::ptrdiff_t f,
+                                         std::ptrdiff_t length) {
+  std::optional<Finding> best = spike_at(s, f, length, -1);
+  if (best) return best;
   const Knots at = knots_around(s.path, f, f + length, -1);
   for (const auto* side : {&at.before, &at.after}) {
-    for (std::size_t i = 0; i < std::min<std::size_t>(2, side->size()); ++i) {
-      most = std::max(most, spike_at(s, f, length, (*side)[i]));
+    for (const std::ptrdiff_t other : *side) {
+      const auto found = spike_at(s, f, length, other);
+      if (found && (!best || found->roughness < best->roughness)) best = found;
     }
   }
-  return most;
+  return best;
 }
 
 /// A first look: off the line between the samples before and after.
@@ -272,24 +283,25 @@ void add_end_spikes(const Path& path, const std::vector<uint8_t>& recorded,
   }
 }
 
-/// All spikes between samples that the path shows as it is.
-std::vector<Spike> spikes_between(const Suspect& s, const std::vector<double>& bends,
-                                  std::ptrdiff_t longest, double ratio) {
-  std::vector<Spike> out;
+/// All that may be a spike between samples that show the path as it is; more than one at a place.
+std::vector<Finding> spikes_between(const Suspect& s, const std::vector<double>& bends,
+                                    std::ptrdiff_t longest, const RepairOptions& options) {
+  std::vector<Finding> out;
   const auto count = static_cast<std::ptrdiff_t>(s.path.seen.size());
   for (std::ptrdiff_t f = 0; f < count; ++f) {
     if (!s.path.has(f) || !suspicious(s, f)) continue;
     for (std::ptrdiff_t length = 1; length <= longest && f + length < count; ++length) {
-      const double deviation = spike_near_others(s, f, length);
-      if (deviation <= 0.0) continue;
-      const FrameRange frames{static_cast<std::size_t>(f), static_cast<std::size_t>(f + length)};
+      Suspect longer = s;  // real motion has more room in more frames; noise has not
+      longer.least = std::max(s.least, static_cast<double>(length) * options.spike_mm);
+      const auto found = spike_near_others(longer, f, length);
+      if (!found) continue;
       constexpr std::size_t around = 15;
+      const FrameRange& frames = found->spike.frames;
       const std::size_t begin = frames.begin > around ? frames.begin - around : 0;
       const std::size_t end = std::min(bends.size(), frames.end + around);
       const FrameRange bent{frames.begin > 0 ? frames.begin - 1 : 0, frames.end + 1};
-      if (deviation < ratio * robust_sd(bends, begin, end, bent)) continue;
-      out.push_back({s.marker, frames, deviation});
-      break;
+      const double local = robust_sd(bends, begin, end, bent);
+      if (found->spike.deviation_mm >= options.spike_ratio * local) out.push_back(*found);
     }
   }
   return out;
@@ -315,7 +327,7 @@ std::vector<Spike> joined(std::vector<Spike> spikes, std::ptrdiff_t longest, Pat
   return out;
 }
 
-/// The largest first: once they are out, the look around the others is clear.
+/// The clearest first: once they are out, the look around the others is free.
 std::vector<Spike> spikes_of(Path& path, const LocalMotion& motion, std::size_t marker,
                              double rate_hz, const RepairOptions& options) {
   const std::vector<double> bends = accelerations(path);
@@ -326,17 +338,17 @@ std::vector<Spike> spikes_of(Path& path, const LocalMotion& motion, std::size_t 
   std::vector<Spike> out;
   constexpr int rounds = 8;
   for (int round = 0; round < rounds; ++round) {
-    std::vector<Spike> found = spikes_between(suspect, bends, longest, options.spike_ratio);
-    std::ranges::stable_sort(found, std::greater(), &Spike::deviation_mm);
+    std::vector<Finding> found = spikes_between(suspect, bends, longest, options);
+    std::ranges::stable_sort(found, {}, &Finding::roughness);
     const std::size_t before = out.size();
-    for (const Spike& spike : found) {
+    for (const Finding& spike : found) {
       constexpr auto apart = static_cast<std::size_t>(reach);
-      const bool clear = std::none_of(out.begin() + static_cast<std::ptrdiff_t>(before), out.end(),
-                                      [&](const Spike& other) {
-                                        return spike.frames.begin < other.frames.end + apart &&
-                                               other.frames.begin < spike.frames.end + apart;
-                                      });
-      if (clear) out.push_back(spike);
+      const bool clear = std::none_of(
+          out.begin() + static_cast<std::ptrdiff_t>(before), out.end(), [&](const Spike& other) {
+            return spike.spike.frames.begin < other.frames.end + apart &&
+                   other.frames.begin < spike.spike.frames.end + apart;
+          });
+      if (clear) out.push_back(spike.spike);
     }
     if (out.size() == before) break;
     for (std::size_t i = before; i < out.size(); ++i) {
