@@ -14,10 +14,10 @@
 #include <string>
 
 #include "analysis/full_matching/full_matching.h"
+#include "analysis/map_evaluation.h"
 #include "analysis/spherical/closed_surface.h"
 #include "config/error.h"
 #include "mesh/formats/mesh_io.h"
-#include "mesh/geodesics/geodesics.h"
 #include "tests/support/ict_performer.h"
 
 namespace {
@@ -43,52 +43,17 @@ double root_area_of(const AnimatedMesh& mesh) {
   return std::sqrt(area);
 }
 
-double quantile(std::vector<double> values, double q) {
-  if (values.empty()) return 0;
-  std::ranges::sort(values);
-  return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1))];
-}
-
 double mean(const std::vector<double>& values) {
   double sum = 0;
   for (const double v : values) sum += v / static_cast<double>(values.size());
   return sum;
 }
 
-/// Geodesic errors over √area of every `step`-th vertex that both maps know, and its confidence.
-struct Errors {
-  std::vector<double> errors{}, confidence{};
-};
-Errors errors_of(const SurfaceMap& map, const SurfaceMap& truth, const AnimatedMesh& target,
-                 std::size_t step) {
-  const auto positions = rest_of(target);
-  const GeodesicSolver solver(target.shared_topology(), positions);
-  const double unit = root_area_of(target);
-  Errors result;
-  for (std::size_t v = 0; v < map.points.size(); v += step) {
-    if (!map.points[v].valid() || !truth.points[v].valid()) continue;
-    const double chord = (position_of(map.points[v], target.topology(), positions) -
-                          position_of(truth.points[v], target.topology(), positions))
-                             .norm();
-    const GeodesicField field =
-        solver.solve({truth.points[v]}, {.radius_mm = 4 * chord + 1}, {}, {map.points[v]});
-    result.errors.push_back(std::min(field.target_distances[0], 10 * chord) / unit);
-    result.confidence.push_back(map.confidence[v]);
-  }
-  return result;
-}
-
-/// Error of the least confident tenth over that of the most confident half.
-double confidence_ratio(const Errors& e) {
-  std::vector<std::size_t> order(e.errors.size());
-  for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
-  std::ranges::stable_sort(order, {}, [&](std::size_t k) { return e.confidence[k]; });
-  const std::size_t tenth = order.size() / 10, half = order.size() / 2;
-  double low = 0, high = 0;
-  for (std::size_t k = 0; k < tenth; ++k) low += e.errors[order[k]] / static_cast<double>(tenth);
-  for (std::size_t k = half; k < order.size(); ++k)
-    high += e.errors[order[k]] / static_cast<double>(order.size() - half);
-  return low / high;
+/// Geodesic errors of every 16th vertex.
+MapEvaluation errors_of(const SurfaceMap& map, const SurfaceMap& truth,
+                        const AnimatedMesh& target) {
+  return evaluate_map(map, truth_from_map(truth), target.mesh_at(0),
+                      {.samples = static_cast<int>(truth.points.size() / 16)});
 }
 
 /// Distances of every `step`-th source vertex from its image under forward, then reverse.
@@ -144,18 +109,18 @@ void face_pair(const std::string& kind, uint64_t k) {
   const FullMatching m = match_surfaces(a.mesh, b.mesh, options_from_environment());
   const double cpu_s = static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC;
   const double time = seconds_since(start);
-  const Errors e = errors_of(m.forward, truth, b.mesh, 16);
-  const Errors r = errors_of(m.reverse, test::true_map(model, b, a), a.mesh, 16);
+  const MapEvaluation e = errors_of(m.forward, truth, b.mesh);
+  const MapEvaluation r = errors_of(m.reverse, test::true_map(model, b, a), a.mesh);
   const std::vector<double> back = there_and_back(m, a.mesh, b.mesh, 4);
   std::cout << nlohmann::json{{"case", kind},
                               {"pair", k},
-                              {"mean", mean(e.errors)},
-                              {"p95", quantile(e.errors, 0.95)},
-                              {"worst", quantile(e.errors, 1)},
-                              {"reverse_mean", mean(r.errors)},
-                              {"confidence_ratio", confidence_ratio(e)},
+                              {"mean", e.errors.mean},
+                              {"p95", e.errors.p95},
+                              {"worst", e.errors.worst},
+                              {"reverse_mean", r.errors.mean},
+                              {"confidence_ratio", e.confidence_ratio},
                               {"back_mean", mean(back)},
-                              {"back_worst", quantile(back, 1)},
+                              {"back_worst", *std::ranges::max_element(back)},
                               {"unmapped", m.unmapped_source},
                               {"snapped", m.snapped_source},
                               {"distortion", m.mean_distortion},

@@ -26,6 +26,7 @@ std::vector<CommandSpec> all_commands() {
       deformation_command(),
       features_command(),
       evaluate_features_command(),
+      evaluate_map_command(),
       retarget_command(),
       basis_command(),
       express_command(),

@@ -20,6 +20,7 @@ CommandSpec convert_command();
 CommandSpec correspond_command();
 CommandSpec deformation_command();
 CommandSpec evaluate_features_command();
+CommandSpec evaluate_map_command();
 CommandSpec express_command();
 CommandSpec features_command();
 CommandSpec geodesics_command();

@@ -1,8 +1,8 @@
 // kinemesh geodesics: distances and shortest paths over a surface.
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "capture/formats/mesh_formats.h"
 #include "cli/commands/commands.h"
@@ -11,6 +11,7 @@
 #include "mesh/formats/mesh_io.h"
 #include "mesh/geodesics/geodesic_output.h"
 #include "mesh/geodesics/geodesics.h"
+#include "mesh/landmarks.h"
 #include "report/distance_view.h"
 
 namespace kinemesh::cli {
@@ -23,31 +24,10 @@ struct Arguments {
   ReadOptions read;
 };
 
-double number_of(const std::string& word, const std::string& text) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || end != word.data() + word.size()) {
-    throw UsageError({.what = "'" + text + "' names no point of the mesh",
-                      .remedy = "Give a vertex by its number from 0, or a point as FACE:B0:B1:B2"});
-  }
-  return value;
-}
-
-/// A vertex, or FACE:B0:B1:B2.
 SurfacePoint point_of(const std::string& text, const Topology& topology) {
-  std::vector<double> numbers;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find(':', begin), text.size());
-    numbers.push_back(number_of(text.substr(begin, end - begin), text));
-    begin = end + 1;
-  }
-  const double index = numbers[0];
-  if ((numbers.size() != 1 && numbers.size() != 4) || !(index >= 0.0) || index >= invalid_index ||
-      index != std::floor(index)) {
-    number_of("", text);
-  }
-  if (numbers.size() == 1) return vertex_point(topology, static_cast<VertexIndex>(index));
-  return {static_cast<FaceIndex>(index), {numbers[1], numbers[2], numbers[3]}};
+  if (const std::optional<SurfacePoint> point = parse_place(text, topology)) return *point;
+  throw UsageError({.what = "'" + text + "' names no point of the mesh",
+                    .remedy = "Give a vertex by its number from 0, or a point as FACE:B0:B1:B2"});
 }
 
 std::vector<SurfacePoint> points_of(const std::vector<std::string>& words,
