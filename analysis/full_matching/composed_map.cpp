@@ -8,10 +8,9 @@
 #include <numbers>
 #include <string>
 
-#include "analysis/spherical/kernel.h"
-#include "analysis/spherical/orientation.h"
 #include "analysis/spherical/rest_triangle.h"
 #include "analysis/spherical/sphere_descent.h"
+#include "analysis/spherical/unfold.h"
 #include "config/error.h"
 
 namespace kinemesh::full_matching {
@@ -37,28 +36,43 @@ ComposedMap::ComposedMap(const ClosedSurface& closed, const SurfaceSignals& sign
       sphere_(std::move(sphere)),
       images_(sphere_.size()),
       held_(sphere_.size(), 0),
+      room_(mesh_, sphere_, held_),
       shortest_(1e-3 / std::sqrt(static_cast<double>(closed.topology->face_count()))) {
   for (const VertexIndex v : mesh_.alive()) images_[v] = image_of(sphere_[v], invalid_index);
 }
 
 void ComposedMap::coarsen(std::size_t count, std::span<const uint8_t> keep, const RunContext& ctx) {
   spherical::simplify(mesh_, signals_.positions, count, keep, ctx);
+  if (keep.empty()) return;
+  spherical::unfold(mesh_, signals_.positions, sphere_, ctx);
+  for (const VertexIndex v : mesh_.alive())
+    images_[v] = image_of(sphere_[v], images_[v].place.face);
 }
 
 void ComposedMap::refine(std::size_t count) {
   while (!complete() && mesh_.alive_count() < count) insert();
 }
 
+std::vector<std::size_t> ComposedMap::meet(std::span<const Anchor> anchors, const RunContext& ctx) {
+  std::vector<std::size_t> away = warp_to_anchors(mesh_, signals_.positions, sphere_, anchors, ctx);
+  for (const VertexIndex v : mesh_.alive())
+    images_[v] = image_of(sphere_[v], images_[v].place.face);
+  for (const Anchor& a : anchors) {
+    if (sphere_[a.vertex] != a.goal) continue;
+    held_[a.vertex] = 1;
+    images_[a.vertex] = image_at(a.place);
+  }
+  return away;
+}
+
 void ComposedMap::insert() {
   const VertexIndex v = mesh_.next();
   const std::span<const VertexIndex> ring = mesh_.next_ring();
-  const spherical::KernelPoint centre = spherical::kernel_centre(ring, sphere_);
+  const spherical::KernelPoint centre = room_.centre_of(ring);
+  for (const VertexIndex r : room_.moved())
+    images_[r] = image_of(sphere_[r], images_[r].place.face);
   sphere_[v] = centre.point;
-  bool valid = centre.distance > 0.0;
-  for (std::size_t i = 0; valid && i < ring.size(); ++i) {
-    valid = orientation(sphere_[v], sphere_[ring[i]], sphere_[ring[(i + 1) % ring.size()]]) > 0;
-  }
-  if (!valid) {
+  if (!(centre.distance > 0.0) || !spherical::star_is_valid(v, ring, sphere_)) {
     throw NoResultError({.what = "the map would fold at vertex " + std::to_string(v),
                          .remedy = "Remesh the surface so that its triangles are less thin"});
   }
@@ -97,7 +111,11 @@ void ComposedMap::fit_rotation() {
 }
 
 ComposedMap::Image ComposedMap::image_of(const Eigen::Vector3d& p, FaceIndex hint) const {
-  Image image{.place = target_.locator.locate(p, hint)};
+  return image_at(target_.locator.locate(p, hint));
+}
+
+ComposedMap::Image ComposedMap::image_at(const SurfacePoint& place) const {
+  Image image{.place = place};
   const Triangle& face = target_.closed.topology->faces()[image.place.face];
   const auto& w = image.place.weights;
   image.position = w[0] * target_.signals.positions[face[0]] +

@@ -12,8 +12,10 @@
 #include <span>
 #include <vector>
 
+#include "analysis/full_matching/landmark_warp.h"
 #include "analysis/full_matching/surface_signals.h"
 #include "analysis/spherical/ring_mesh.h"
+#include "analysis/spherical/ring_room.h"
 #include "analysis/spherical/sphere_locator.h"
 
 namespace kinemesh::full_matching {
@@ -32,10 +34,14 @@ class ComposedMap {
   ComposedMap(const ClosedSurface& closed, const SurfaceSignals& signals,
               std::vector<Eigen::Vector3d> sphere, const Target& target);
 
-  /// Collapses A to `count` vertices, `keep` among them.
+  /// Collapses A to `count` vertices, those with `keep` set among them, and lays them out anew
+  /// where they would fold; empty: any, as they lie.
   void coarsen(std::size_t count, std::span<const uint8_t> keep, const RunContext& ctx);
   /// Brings back vertices until there are `count`. Throws NoResultError where there is no room.
   void refine(std::size_t count);
+  /// Moves vertices of the present mesh onto their places, where they are held from then on;
+  /// returns those that cannot be met, by index.
+  std::vector<std::size_t> meet(std::span<const Anchor> anchors, const RunContext& ctx);
   std::size_t vertex_count() const { return mesh_.alive_count(); }
   bool complete() const { return mesh_.removed_count() == 0; }
 
@@ -44,7 +50,6 @@ class ComposedMap {
   void fit_rotation();
   /// Moves each vertex that is not held; returns by how much the energy fell.
   double sweep();
-  void hold(VertexIndex v) { held_[v] = 1; }
   double energy();
 
   const std::vector<Eigen::Vector3d>& sphere() const { return sphere_; }
@@ -72,6 +77,7 @@ class ComposedMap {
   };
 
   Image image_of(const Eigen::Vector3d& p, FaceIndex hint) const;
+  Image image_at(const SurfacePoint& place) const;
   Signal own_signal(VertexIndex v) const;
   void gather(VertexIndex v);
   bool in_place(const Eigen::Vector3d& p) const;
@@ -92,6 +98,7 @@ class ComposedMap {
   std::vector<Eigen::Vector3d> sphere_;
   std::vector<Image> images_;
   std::vector<uint8_t> held_;
+  spherical::RingRoom room_;
   Eigen::Matrix3f turn_ = Eigen::Matrix3f::Identity();
   Signal weights_ = Signal::Zero();
   double distortion_weight_ = 1.0, shortest_ = 0.0;

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <string>
 
+#include "analysis/full_matching/anchors.h"
 #include "analysis/full_matching/composed_map.h"
 #include "analysis/full_matching/start_rotation.h"
 #include "config/error.h"
@@ -14,6 +16,7 @@ namespace kinemesh {
 
 namespace {
 
+using full_matching::Anchor;
 using full_matching::channels;
 using full_matching::compare_signals;
 using full_matching::ComposedMap;
@@ -28,6 +31,7 @@ using full_matching::Target;
 constexpr std::size_t coarse_vertices = 150;
 constexpr double growth = 1.7;  // of the vertices from level to level
 constexpr int coarse_sweeps = 40, level_sweeps = 4, final_sweeps = 8;
+constexpr int landmark_refinements = 4;
 constexpr double poor_agreement = 0.35;
 
 ClosedSurface closed_at_rest(const AnimatedMesh& mesh) {
@@ -114,10 +118,9 @@ void sweep(ComposedMap& map, int most, const RunContext& ctx) {
   }
 }
 
-/// From the rotation to the finished map.
+/// From the coarse map to the finished one.
 void descend(ComposedMap& map, const SignalPair& pair, const FullMatchingOptions& options,
              const RunContext& ctx) {
-  map.coarsen(coarse_vertices, {}, ctx);
   map.fit_rotation();
   map.set_weights(weights_of(options, {1.0, 1.0, 1.0}), options.keep_shape);
   sweep(map, coarse_sweeps, ctx);
@@ -130,6 +133,49 @@ void descend(ComposedMap& map, const SignalPair& pair, const FullMatchingOptions
   map.fit_rotation();
   map.set_weights(weights_of(options, agreement_of(map, pair)), options.keep_shape);
   sweep(map, final_sweeps, ctx);
+}
+
+/// Brings a coarse map to the landmarks; those that find no way get more vertices around them.
+/// Returns those that cannot be met.
+std::vector<std::size_t> meet(ComposedMap& map, std::span<const Anchor> anchors,
+                              const RunContext& ctx) {
+  std::vector<std::size_t> away = map.meet(anchors, ctx);
+  for (int k = 0; k < landmark_refinements && !away.empty() && !map.complete(); ++k) {
+    map.refine(static_cast<std::size_t>(growth * static_cast<double>(map.vertex_count())));
+    away = map.meet(anchors, ctx);
+  }
+  return away;
+}
+
+/// A laid over B by a rotation of its sphere, then brought to the landmarks while it is coarse,
+/// then refined. How coarse decides whether all landmarks find their way: several levels are tried.
+std::unique_ptr<ComposedMap> lay_over(const ClosedSurface& a, const SignalPair& pair,
+                                      const std::vector<Eigen::Vector3d>& start, const Target& rest,
+                                      std::span<const Anchor> anchors,
+                                      std::span<const LandmarkPair> landmarks,
+                                      const FullMatchingOptions& options, const RunContext& ctx) {
+  std::vector<uint8_t> keep(anchors.empty() ? 0 : start.size(), 0);
+  for (const Anchor& anchor : anchors) keep[anchor.vertex] = 1;
+  std::vector<std::size_t> fewest_away;
+  std::size_t last = 0;
+  for (const std::size_t times : {4, 8, 16, 2, 32}) {
+    const std::size_t count = std::max(coarse_vertices, times * anchors.size());
+    if (count == last) continue;
+    last = count;
+    try {
+      auto map = std::make_unique<ComposedMap>(a, pair.a, start, rest);
+      map->coarsen(count, keep, ctx);
+      const std::vector<std::size_t> away = meet(*map, anchors, ctx);
+      if (away.empty()) {
+        descend(*map, pair, options, ctx);
+        return map;
+      }
+      if (fewest_away.empty() || away.size() < fewest_away.size()) fewest_away = away;
+    } catch (const NoResultError&) {
+      if (anchors.empty()) throw;
+    }
+  }
+  full_matching::refuse_landmarks(landmarks, fewest_away);
 }
 
 /// The nearest point on the boundary loops, and its distance.
@@ -293,7 +339,8 @@ void FullMatchingOptions::declare(ParameterSet& p) {
 }
 
 FullMatching match_surfaces(const AnimatedMesh& source, const AnimatedMesh& target,
-                            const FullMatchingOptions& options, const RunContext& ctx) {
+                            const FullMatchingOptions& options, const RunContext& ctx,
+                            std::span<const LandmarkPair> landmarks) {
   options.validate();
   const ClosedSurface a = telling("source", [&] { return closed_at_rest(source); });
   const ClosedSurface b = telling("target", [&] { return closed_at_rest(target); });
@@ -303,24 +350,28 @@ FullMatching match_surfaces(const AnimatedMesh& source, const AnimatedMesh& targ
   const SphericalMap sphere_b = telling("target", [&] {
     return map_to_sphere(*b.topology, b.positions, options.sphere, ctx.part(0.2, 0.4, "target"));
   });
+  const std::vector<Anchor> anchors = full_matching::anchors_of(landmarks, a, b, sphere_b.points);
   const SignalPair pair =
       compare_signals(source, a, target, b, options.strain_instants, ctx.part(0.4, 0.6, "signals"));
   const SphereLocator locator(*b.topology, sphere_b.points);
   const Target rest{b, sphere_b.points, pair.b, locator};
-  const Eigen::Matrix3d rotation = start_rotation(pair.a, sphere_a.points, rest, options.rotations,
-                                                  {}, ctx.part(0.6, 0.7, "rotation"));
+  const Eigen::Matrix3d rotation =
+      start_rotation(pair.a, sphere_a.points, rest, anchors, options.rotations, {},
+                     ctx.part(0.6, 0.7, "rotation"));
   std::vector<Eigen::Vector3d> start;
   for (const Eigen::Vector3d& p : sphere_a.points) start.push_back((rotation * p).normalized());
-  ComposedMap map(a, pair.a, std::move(start), rest);
-  descend(map, pair, options, ctx.part(0.7, 1.0, "descent"));
-  if (!check_sphere(*a.topology, map.sphere()).valid()) {
+  const auto map =
+      lay_over(a, pair, start, rest, anchors, landmarks, options, ctx.part(0.7, 1.0, "descent"));
+  FullMatching result;
+  result.check = check_sphere(*a.topology, map->sphere());
+  if (!result.check.valid()) {
     throw NoResultError({.what = "the map would fold",
                          .remedy = "Remesh the surfaces so that their triangles are less thin"});
   }
-  FullMatching result;
   result.sphere_distortion_source = sphere_a.distortion;
   result.sphere_distortion_target = sphere_b.distortion;
-  collect(result, map, pair, a, b, sphere_b.points, options.snap);
+  collect(result, *map, pair, a, b, sphere_b.points, options.snap);
+  for (const Anchor& anchor : anchors) result.forward.confidence[anchor.vertex] = 1.0;
   return result;
 }
 

@@ -12,6 +12,7 @@
 // between places taken at random.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,7 @@
 #include "config/parameter.h"
 #include "config/run_context.h"
 #include "mesh/animated_mesh.h"
+#include "mesh/landmarks.h"
 #include "mesh/surface_point.h"
 
 namespace kinemesh {
@@ -49,15 +51,19 @@ struct FullMatching {
   double mean_distortion = 0.0;  ///< over the source's area
   SignalAgreement agreement;     ///< of the final map
   double sphere_distortion_source = 0.0, sphere_distortion_target = 0.0;
+  SphereCheck check;  ///< of the source's triangles on the target's sphere: no fold; always valid
   std::size_t unmapped_source = 0, unmapped_target = 0;  ///< in a hole of the other surface
   std::size_t snapped_source = 0, snapped_target = 0;    ///< moved to the loop of such a hole
   bool poor = false;
   std::string warning;  ///< why the map is poor and what to do; empty otherwise
 };
 
-/// Throws NoResultError for surfaces that cannot be mapped to the sphere, or when a map would fold;
-/// InputError for positions that are not finite or an animation without frames.
+/// The map leads each landmark, a vertex of the source, exactly to its point of the target. Throws
+/// NoResultError for surfaces that cannot be mapped to the sphere, when a map would fold, and
+/// naming landmarks that cannot be met; InputError for positions that are not finite or an
+/// animation without frames.
 FullMatching match_surfaces(const AnimatedMesh& source, const AnimatedMesh& target,
-                            const FullMatchingOptions& options = {}, const RunContext& ctx = {});
+                            const FullMatchingOptions& options = {}, const RunContext& ctx = {},
+                            std::span<const LandmarkPair> landmarks = {});
 
 }  // namespace kinemesh

@@ -17,8 +17,9 @@ constexpr std::size_t refined = 10;           // rotations that are refined
 class Scorer {
  public:
   Scorer(const SurfaceSignals& source, std::span<const Eigen::Vector3d> sphere,
-         const Target& target, const RotationWeights& weights, uint64_t seed)
-      : source_(source), sphere_(sphere), target_(target), weights_(weights) {
+         const Target& target, std::span<const Anchor> anchors, const RotationWeights& weights,
+         uint64_t seed)
+      : source_(source), sphere_(sphere), target_(target), anchors_(anchors), weights_(weights) {
     std::mt19937_64 random(seed);
     std::discrete_distribution<std::size_t> by_area(source.areas.begin(), source.areas.end());
     for (std::size_t k = 0; k < many; ++k) sample_.push_back(by_area(random));
@@ -41,10 +42,17 @@ class Scorer {
       from_.col(static_cast<Eigen::Index>(k)) = source_.positions[v];
       to_.col(static_cast<Eigen::Index>(k)) = position;
     }
-    return disagreement();
+    return disagreement() + weights_.landmarks * away(rotation);
   }
 
  private:
+  /// Mean squared distance of the landmarks from their goals.
+  double away(const Eigen::Matrix3d& rotation) const {
+    double sum = 0.0;
+    for (const Anchor& a : anchors_) sum += (rotation * sphere_[a.vertex] - a.goal).squaredNorm();
+    return anchors_.empty() ? 0.0 : sum / static_cast<double>(anchors_.size());
+  }
+
   double disagreement() {
     from_.colwise() -= Eigen::Vector3d(from_.rowwise().mean());
     to_.colwise() -= Eigen::Vector3d(to_.rowwise().mean());
@@ -73,6 +81,7 @@ class Scorer {
   const SurfaceSignals& source_;
   std::span<const Eigen::Vector3d> sphere_;
   const Target& target_;
+  std::span<const Anchor> anchors_;
   RotationWeights weights_;
   std::vector<std::size_t> sample_;
   Eigen::Matrix3Xd from_, to_;
@@ -93,8 +102,9 @@ Eigen::Matrix3d spread_rotation(int index, int count) {
 
 Eigen::Matrix3d start_rotation(const SurfaceSignals& source,
                                std::span<const Eigen::Vector3d> sphere, const Target& target,
-                               int count, const RotationWeights& weights, const RunContext& ctx) {
-  Scorer score(source, sphere, target, weights, ctx.seed() + 1);
+                               std::span<const Anchor> anchors, int count,
+                               const RotationWeights& weights, const RunContext& ctx) {
+  Scorer score(source, sphere, target, anchors, weights, ctx.seed() + 1);
   struct Tried {
     double value;
     Eigen::Matrix3d rotation;

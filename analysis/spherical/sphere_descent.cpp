@@ -73,8 +73,8 @@ void SphereDescent::gather(VertexIndex v) {
   }
 }
 
-double SphereDescent::energy_at(const Eigen::Vector3d& p) const {
-  double energy = 0.0;
+double SphereDescent::energy_at(const Eigen::Vector3d& p, const Pull* pull) const {
+  double energy = pull != nullptr ? pull->weight * (p - pull->goal).squaredNorm() : 0.0;
   for (const Corner& k : corners_) {
     const Eigen::Vector3d from_b = p - k.b;
     const double determinant = from_b.dot(k.normal), length = from_b.squaredNorm();
@@ -110,14 +110,18 @@ void SphereDescent::differentiate(const Eigen::Vector3d& p, Eigen::Vector3d& gra
   }
 }
 
-double SphereDescent::descend(VertexIndex v) {
+double SphereDescent::descend(VertexIndex v, const Pull* pull) {
   gather(v);
   const Eigen::Vector3d start = points_[v];
-  const double before = energy_at(start);
+  const double before = energy_at(start, pull);
   if (!std::isfinite(before)) return 0.0;
   Eigen::Vector3d gradient;
   Eigen::Matrix3d hessian;
   differentiate(start, gradient, hessian);
+  if (pull != nullptr) {
+    gradient += 2.0 * pull->weight * (start - pull->goal);
+    hessian.diagonal().array() += 2.0 * pull->weight;
+  }
   const Eigen::Matrix<double, 3, 2> basis = tangent_basis(start);
   const Eigen::Vector2d slope = basis.transpose() * gradient;
   Eigen::Matrix2d curvature = basis.transpose() * hessian * basis;
@@ -128,14 +132,14 @@ double SphereDescent::descend(VertexIndex v) {
   double step = std::min(1.0, 0.5 / direction.norm());
   for (int attempt = 0; attempt < 12; ++attempt, step *= 0.5) {
     const Eigen::Vector3d p = (start + basis * (direction * step)).normalized();
-    double after = energy_at(p);
+    double after = energy_at(p, pull);
     if (after <= before - 1e-4 * step * promised) {
       points_[v] = p;
       // Far from the optimum the energy is like 1 / area²: Newton's steps are too short there.
       while (attempt == 0 && step < 16.0 && after < 0.7 * before) {
         step *= 2.0;
         const Eigen::Vector3d further = (start + basis * (direction * step)).normalized();
-        const double value = energy_at(further);
+        const double value = energy_at(further, pull);
         if (!(value < after)) break;
         after = value;
         points_[v] = further;

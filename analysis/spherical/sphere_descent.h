@@ -24,8 +24,13 @@ class SphereDescent {
   /// Area of the present triangles on the sphere (as det / 2) over their rest area, under a root.
   double fitting_scale() const;
 
+  /// A spring that pulls a vertex: weight · |p − goal|² is added to its energy.
+  struct Pull {
+    Eigen::Vector3d goal;
+    double weight;
+  };
   /// A Newton step with line search; returns by how much the energy fell. No triangle turns over.
-  double descend(VertexIndex v);
+  double descend(VertexIndex v, const Pull* pull = nullptr);
   /// Energy and rest area (scaled) of the triangles around v.
   struct Energy {
     double energy, area;
@@ -40,7 +45,7 @@ class SphereDescent {
     double area, least_square;     // (2 area)²; det² / |p − b|² must stay above the last
   };
   void gather(VertexIndex v);
-  double energy_at(const Eigen::Vector3d& p) const;
+  double energy_at(const Eigen::Vector3d& p, const Pull* pull = nullptr) const;
   void differentiate(const Eigen::Vector3d& p, Eigen::Vector3d& gradient,
                      Eigen::Matrix3d& hessian) const;
 

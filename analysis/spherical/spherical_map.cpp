@@ -6,8 +6,8 @@
 #include <numbers>
 #include <string>
 
-#include "analysis/spherical/kernel.h"
 #include "analysis/spherical/ring_mesh.h"
+#include "analysis/spherical/ring_room.h"
 #include "analysis/spherical/sphere_descent.h"
 #include "config/error.h"
 #include "config/text.h"
@@ -20,12 +20,8 @@ using spherical::KernelPoint;
 using spherical::RingMesh;
 using spherical::SphereDescent;
 
-constexpr double narrow = 0.02;    // roominess below which the ring is re-centred first
-constexpr double hopeless = 1e-5;  // roominess below which that goes on, ever wider
-constexpr int rounds = 12;         // of re-centring, at most
-constexpr double crowded = 12.0;   // distortion at which a vertex' surroundings give way
+constexpr double crowded = 12.0;  // distortion at which a vertex' surroundings give way
 constexpr int relief_rounds = 16;
-constexpr std::size_t hub = 40;  // neighbours above which a vertex only moves with whole levels
 
 [[noreturn]] void refuse(const std::string& what, const std::string& remedy) {
   throw NoResultError({.what = what, .remedy = remedy});
@@ -52,7 +48,7 @@ class Builder {
         descent_(mesh_, positions, points_, options.sphere_slenderness,
                  1e-4 * std::sqrt(area_of(topology, positions) /
                                   static_cast<double>(topology.face_count()))),
-        marks_(topology.vertex_count(), 0) {
+        room_(mesh_, points_) {
     spherical::simplify(mesh_, positions, 4, {}, ctx);
     if (mesh_.alive_count() != 4) throw InternalError("map_to_sphere: no tetrahedron was reached");
   }
@@ -88,55 +84,14 @@ class Builder {
     descent_.set_scale(descent_.fitting_scale());
   }
 
-  bool star_is_valid(VertexIndex v, std::span<const VertexIndex> ring) const {
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-      if (orientation(points_[v], points_[ring[i]], points_[ring[(i + 1) % ring.size()]]) <= 0)
-        return false;
-    }
-    return true;
-  }
-
-  /// Moves a vertex to the centre of its own kernel, or leaves it.
-  void recentre(VertexIndex v) {
-    if (mesh_.ring(v).size() > hub) return;
-    const KernelPoint centre = spherical::kernel_centre(mesh_.ring(v), points_);
-    if (!(centre.distance > 0.0)) return;
-    const Eigen::Vector3d before = points_[v];
-    points_[v] = centre.point;
-    if (!star_is_valid(v, mesh_.ring(v))) points_[v] = before;
-  }
-
-  /// Vertices within `depth` edges of those of `ring`, those first.
-  std::vector<VertexIndex> surroundings(std::span<const VertexIndex> ring, int depth) {
-    std::vector<VertexIndex> found(ring.begin(), ring.end());
-    ++mark_;
-    for (const VertexIndex v : found) marks_[v] = mark_;
-    std::size_t begin = 0;
-    for (int k = 0; k < depth; ++k) {
-      for (const std::size_t end = found.size(); begin < end; ++begin) {
-        for (const VertexIndex r : mesh_.ring(found[begin])) {
-          if (marks_[r] == mark_) continue;
-          marks_[r] = mark_;
-          found.push_back(r);
-        }
-      }
-    }
-    return found;
-  }
-
   void insert() {
     if (++inserted_ % 256 == 0) ctx_.check_cancelled();
     const VertexIndex v = mesh_.next();
     const std::vector<VertexIndex> ring(mesh_.next_ring().begin(), mesh_.next_ring().end());
-    KernelPoint centre = spherical::kernel_centre(ring, points_);
-    for (int round = 0; round < rounds && centre.roominess < (round < 3 ? narrow : hopeless);
-         ++round) {
-      if (round == 0) ++result_.withdrawals;
-      for (const VertexIndex r : surroundings(ring, round / 3)) recentre(r);
-      centre = spherical::kernel_centre(ring, points_);
-    }
+    const KernelPoint centre = room_.centre_of(ring);
+    if (!room_.moved().empty()) ++result_.withdrawals;
     points_[v] = centre.point;
-    if (!(centre.distance > 0.0) || !star_is_valid(v, ring)) {
+    if (!(centre.distance > 0.0) || !spherical::star_is_valid(v, ring, points_)) {
       refuse("no map to the sphere without folds is found: vertex " + std::to_string(v) +
                  " has no room among its neighbours",
              "Remesh the surface so that its triangles are less thin");
@@ -144,7 +99,7 @@ class Builder {
     mesh_.restore();
     descent_.descend(v);
     for (const VertexIndex r : mesh_.ring(v)) {
-      if (mesh_.ring(r).size() <= hub) descent_.descend(r);
+      if (mesh_.ring(r).size() <= spherical::hub) descent_.descend(r);
     }
     relieve({v});
   }
@@ -161,7 +116,8 @@ class Builder {
       if (crowd.empty()) return;
       double energy = 0.0, fallen = 0.0;
       for (const VertexIndex v : crowd) energy += descent_.energy_around(v).energy;
-      for (const VertexIndex v : surroundings(crowd, 2 + round / 4)) fallen += descent_.descend(v);
+      for (const VertexIndex v : room_.surroundings(crowd, 2 + round / 4))
+        fallen += descent_.descend(v);
       if (fallen < 0.1 * energy) return;  // as good as it gets without the rest of the surface
     }
   }
@@ -219,8 +175,7 @@ class Builder {
   SphericalMap result_;
   std::size_t inserted_ = 0;
   double crowding_ = crowded;
-  std::vector<uint32_t> marks_;  // of surroundings(): the last search that met a vertex
-  uint32_t mark_ = 0;
+  spherical::RingRoom room_;
 };
 
 void require_finite(const Topology& topology, std::span<const Eigen::Vector3d> positions) {

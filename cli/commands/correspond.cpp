@@ -11,7 +11,7 @@ namespace kinemesh::cli {
 namespace {
 
 struct Arguments {
-  std::string source, target, output, reverse;
+  std::string source, target, output, reverse, landmarks;
   FullMatchingOptions matching;
   ReadOptions read;
 };
@@ -63,7 +63,11 @@ AnimatedMesh read(const std::string& path, const ReadOptions& options, const Run
 ExitCode run_correspond(const Arguments& args, Terminal& terminal) {
   const AnimatedMesh a = read(args.source, args.read, terminal.run);
   const AnimatedMesh b = read(args.target, args.read, terminal.run);
-  FullMatching m = match_surfaces(a, b, args.matching, terminal.run);
+  std::vector<LandmarkPair> landmarks;
+  if (!args.landmarks.empty()) {
+    landmarks = read_landmark_pairs(args.landmarks, a.topology(), b.topology());
+  }
+  FullMatching m = match_surfaces(a, b, args.matching, terminal.run, landmarks);
   m.forward.source_name = m.reverse.target_name = args.source;
   m.forward.target_name = m.reverse.source_name = args.target;
   if (m.poor) terminal.run.warn(m.warning);
@@ -80,7 +84,8 @@ CommandSpec correspond_command() {
           .summary = "Map every vertex of one animated surface onto another, one-to-one",
           .example =
               "kinemesh correspond anna.ply ben.ply -o anna_to_ben.csv\n"
-              "kinemesh correspond a.npz b.npz -o a_to_b.npz --reverse b_to_a.npz",
+              "kinemesh correspond a.npz b.npz -o a_to_b.npz --reverse b_to_a.npz\n"
+              "kinemesh correspond cat.off lion.off -o map.csv --landmarks pairs.txt",
           .setup = [](CommandLine& line) -> Action {
             auto args = std::make_shared<Arguments>();
             line.positional("A", args->source, "The source's animation");
@@ -88,6 +93,9 @@ CommandSpec correspond_command() {
             line.option("-o,--output", args->output, "MAP",
                         "Map A → B: .csv, .json or .npz (a point of B for each vertex of A)", true);
             line.option("--reverse", args->reverse, "MAP", "Map B → A, too");
+            line.option("--landmarks", args->landmarks, "FILE",
+                        "Pairs that the map meets exactly, one a line: a vertex of A and a vertex "
+                        "of B, counted from 0 (or a point of B as FACE:B0:B1:B2)");
             line.parameters([args](ParameterSet& p) {
               args->matching.declare(p);
               args->read.declare(p);

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "config/input_file.h"
+#include "config/output_file.h"
 #include "mesh/formats/mesh_io.h"
 #include "mesh/surface_map_io.h"
 #include "tests/support/temporary_folder.h"
@@ -63,6 +64,18 @@ TEST_F(CorrespondCommand, WritesBothDirectionsAndNamesThem) {
   const nlohmann::json json = nlohmann::json::parse(output_);
   EXPECT_EQ(json["unmapped_source"], 0);
   EXPECT_EQ(json["poor"], false);
+}
+
+TEST_F(CorrespondCommand, MeetsLandmarksGivenByHand) {
+  write_file(place("pairs.csv"), "source,target,name\n0,0,corner\n40,40\n100,3:0.2:0.3:0.5\n");
+  const std::string files = place("box.ply") + " " + place("larger.ply") + " -o " + place("m.csv");
+  ASSERT_EQ(run(files + " --landmarks " + place("pairs.csv")), 0) << errors_;
+  const SurfaceMap map = read_surface_map(place("m.csv"));
+  EXPECT_EQ(map.points[100].face, 3U);
+  EXPECT_NEAR(map.points[100].weights[2], 0.5, 1e-12);
+  write_file(place("pairs.csv"), "0,0,corner\n0,1,edge\n");
+  EXPECT_EQ(run(files + " --landmarks " + place("pairs.csv")), 4);
+  EXPECT_NE(errors_.find("1 (corner) and 2 (edge)"), std::string::npos) << errors_;
 }
 
 TEST_F(CorrespondCommand, RefusesWhatHasNoMapAndSaysWhy) {
