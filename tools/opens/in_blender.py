@@ -74,8 +74,12 @@ def load_ply(path):
     bpy.ops.import_mesh.ply(filepath=path)
 
 
+def load_gltf(path):
+    bpy.ops.import_scene.gltf(filepath=path)
+
+
 LOADERS = {"ply": lambda j: each(j, load_ply), "ply ascii": lambda j: each(j, load_ply), "ply big-endian": lambda j: each(j, load_ply),
            "obj": lambda j: each(j, load_obj), "ply+pc2": lambda j: cached(j, "PC2"), "mdd": lambda j: cached(j, "MDD"),
-           "glb": imported, "gltf": imported}
+           "glb": imported, "gltf": imported, "glb of one frame": lambda j: each(j, load_gltf)}
 
 answers.write(jobs_path, answers_path, bpy.app.version_string, LOADERS, before=lambda job: empty(job["rate"]))

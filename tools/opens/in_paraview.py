@@ -56,6 +56,10 @@ def gltf(job):
     return at_times(reader, [f / job["rate"] for f in job["frames"]])
 
 
+def still_gltf(path):
+    return simple.glTFReader(FileName=path)
+
+
 def csv(job):
     table = simple.CSVReader(FileName=[job["path"]])
     table.UpdatePipeline()
@@ -75,6 +79,7 @@ def ply(path):
 
 LOADERS = {"vtp": lambda j: each(j, vtp), "pvd": pvd, "ply": lambda j: each(j, ply), "ply ascii": lambda j: each(j, ply),
            "ply big-endian": lambda j: each(j, ply),
-           "obj": lambda j: each(j, lambda p: simple.WavefrontOBJReader(FileName=p)), "glb": gltf, "gltf": gltf, "csv": csv}
+           "obj": lambda j: each(j, lambda p: simple.WavefrontOBJReader(FileName=p)), "glb": gltf, "gltf": gltf,
+           "glb of one frame": lambda j: each(j, still_gltf), "csv": csv}
 
 answers.write(jobs_path, answers_path, str(servermanager.vtkSMProxyManager.GetParaViewSourceVersion()), LOADERS)
