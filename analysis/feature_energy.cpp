@@ -109,7 +109,8 @@ PairTerms FeatureEnergy::pair(std::size_t p, std::size_t p2, std::size_t q, std:
     terms.geodesic = largest_cost;
   }
   terms.orientation = std::abs(source_twist_(at(p), at(p2)) - target_twist_(at(q), at(q2)));
-  if (!source_.path_classes.empty() && !target_.path_classes.empty()) {
+  if (options_.prior != GeodesicPrior::none && !source_.path_classes.empty() &&
+      !target_.path_classes.empty()) {
     const PathClass left = source_.path_classes[p * source_.places.size() + p2];
     const PathClass right = target_.path_classes[q * target_.places.size() + q2];
     const bool agree = left == right || left == PathClass::level || right == PathClass::level;

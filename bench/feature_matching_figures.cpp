@@ -1,7 +1,11 @@
 // How well features of animations with known truth are matched: pairs of model faces doing the same
 // motion (scaled for each subject), and bending cylinders. One JSON object per line.
 //
-//   feature_matching_figures [PAIRS] [name=value …]      names as the options of kinemesh match
+//   feature_matching_figures [PAIRS] [remeshed] [sweep] [seed=N] [name=value …]
+//
+// Names are those of the options of kinemesh match; with `sweep`, settings are read from standard
+// input and measured on the same features. Another seed gives other subjects and motions, to choose
+// settings on.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -10,12 +14,15 @@
 #include <ctime>
 #include <functional>
 #include <iostream>
+#include <numeric>
 #include <random>
+#include <sstream>
 #include <string>
 
 #include "analysis/anim_dog.h"
 #include "analysis/feature_matching.h"
 #include "config/error.h"
+#include "config/parallel.h"
 #include "tests/support/bending_cylinder.h"
 #include "tests/support/ict_performer.h"
 
@@ -23,6 +30,7 @@ namespace {
 
 using namespace kinemesh;
 
+constexpr std::size_t measured_seed = 500;  // no setting was chosen on these subjects and motions
 constexpr double near = 0.025, near_time = 0.05, wrong = 0.05, far_off = 0.10;
 
 struct Pair {
@@ -42,25 +50,8 @@ double diagonal_of(const AnimatedMesh& mesh) {
   return (frame.colwise().maxCoeff() - frame.colwise().minCoeff()).norm();
 }
 
-Pair make_pair(const AnimatedMesh& a, const AnimatedMesh& b,
-               const std::function<Eigen::Vector3d(VertexIndex)>& truth,
-               const FeatureMatchingOptions& options, int strongest) {
-  DetectOptions detect;
-  detect.strongest = strongest;
-  Pair pair{.a = feature_places(detect_features(a, deformation_of(a), detect).set, a, options),
-            .b = feature_places(detect_features(b, deformation_of(b), detect).set, b, options),
-            .diagonal = diagonal_of(b)};
-  for (const auto& p : pair.a.places) pair.truth.push_back(truth(p.feature.vertex));
-  return pair;
-}
-
-/// Keeps a share of the places, drawn at random.
-FeaturePlaces thinned(const FeaturePlaces& places, double kept, uint64_t seed) {
-  std::vector<std::size_t> order(places.places.size());
-  for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
-  std::shuffle(order.begin(), order.end(), std::mt19937_64(seed));
-  order.resize(static_cast<std::size_t>(std::ceil(kept * static_cast<double>(order.size()))));
-  std::ranges::sort(order);
+/// Only the places named, in that order.
+FeaturePlaces only(const FeaturePlaces& places, const std::vector<std::size_t>& order) {
   FeaturePlaces result{.root_area_mm = places.root_area_mm};
   const auto n = static_cast<Eigen::Index>(order.size());
   result.distances.resize(n, n);
@@ -71,13 +62,36 @@ FeaturePlaces thinned(const FeaturePlaces& places, double kept, uint64_t seed) {
       result.distances(static_cast<Eigen::Index>(p), static_cast<Eigen::Index>(q)) =
           places.distances(static_cast<Eigen::Index>(order[p]),
                            static_cast<Eigen::Index>(order[q]));
-      if (!places.path_classes.empty()) {
-        result.path_classes.push_back(
-            places.path_classes[order[p] * places.places.size() + order[q]]);
-      }
+      result.path_classes.push_back(
+          places.path_classes[order[p] * places.places.size() + order[q]]);
     }
   }
   return result;
+}
+
+std::vector<std::size_t> first(std::size_t count) {
+  std::vector<std::size_t> order(count);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  return order;
+}
+
+FeaturePlaces strongest(const FeaturePlaces& places, std::size_t count) {
+  return only(places, first(std::min(count, places.places.size())));
+}
+
+/// Keeps a share of the places, drawn at random.
+FeaturePlaces thinned(const FeaturePlaces& places, double kept, uint64_t seed) {
+  std::vector<std::size_t> order = first(places.places.size());
+  std::shuffle(order.begin(), order.end(), std::mt19937_64(seed));
+  order.resize(static_cast<std::size_t>(std::ceil(kept * static_cast<double>(order.size()))));
+  std::ranges::sort(order);
+  return only(places, order);
+}
+
+/// The features with all that any setting of the matching needs of them.
+FeaturePlaces places_of(const AnimatedMesh& mesh) {
+  return feature_places(detect_features(mesh, deformation_of(mesh)).set, mesh,
+                        {.prior = GeodesicPrior::same_class});
 }
 
 void add(Score& score, const Pair& pair, const FeaturePlaces& b,
@@ -129,48 +143,92 @@ void print(const char* name, Score& s) {
   std::fflush(stdout);
 }
 
-std::vector<Pair> face_pairs(int count, const FeatureMatchingOptions& options) {
-  std::vector<Pair> pairs;
+/// Two subjects doing the same motion with strengths of their own; `remeshed`: the second on
+/// another connectivity.
+Pair face_pair(std::size_t k, std::size_t seed, bool remeshed) {
   const test::IctModel& model = test::ict_model();
-  for (int k = 0; k < count; ++k) {
-    const test::IctMotion motion = make_ict_motion(model, 1 + static_cast<uint64_t>(k) % 3);
-    const auto subject = [&](int which) {
-      test::PerformOptions perform_options;
-      perform_options.variation.scale = 0.3;
-      return perform(model, {.seed = 500 + 2 * static_cast<uint64_t>(k) + which}, motion,
-                     perform_options);
-    };
-    const test::Performance a = subject(0), b = subject(1);
-    const auto rest = b.mesh.mesh_at(0);
-    pairs.push_back(make_pair(
-        a.mesh, b.mesh, [&](VertexIndex v) { return rest.positions[v].cast<double>().eval(); },
-        options, k % 2 == 0 ? 20 : 24));
+  const test::IctMotion motion =
+      make_ict_motion(model, 1 + k % 3 + (seed == measured_seed ? 0 : 3));
+  const auto subject = [&](std::size_t which) {
+    test::PerformOptions options;
+    options.variation.scale = 0.3;
+    if (remeshed && which == 1) options.remesh_vertices = 5000;
+    return perform(model, {.seed = seed + 2 * k + which}, motion, options);
+  };
+  const test::Performance a = subject(0), b = subject(1);
+  Pair pair{.a = places_of(a.mesh), .b = places_of(b.mesh), .diagonal = diagonal_of(b.mesh)};
+  const SurfaceMap map = true_map(model, a, b);
+  const Mesh rest = b.mesh.mesh_at(0);
+  for (const auto& p : pair.a.places) {
+    pair.truth.push_back(position_of(map.points[p.feature.vertex], *rest.topology, rest.positions));
   }
+  return pair;
+}
+
+Pair cylinder_pair(const test::CylinderShape& a, const test::CylinderShape& b) {
+  const test::BendingCylinder source = make_bending_cylinder(a), target = make_bending_cylinder(b);
+  Pair pair{.a = places_of(source.mesh),
+            .b = places_of(target.mesh),
+            .diagonal = diagonal_of(target.mesh)};
+  for (const auto& p : pair.a.places) {
+    pair.truth.push_back(target.rest_place(source.parameters[p.feature.vertex]));
+  }
+  return pair;
+}
+
+/// Pairs are made on two threads, each on one.
+std::vector<Pair> make_pairs(std::size_t count, const std::function<Pair(std::size_t)>& make) {
+  std::vector<Pair> pairs(count);
+  parallel_for(RunContext().set_threads(2), count, 1, [&](std::size_t k) { pairs[k] = make(k); });
   return pairs;
 }
 
-std::vector<Pair> cylinder_pairs(const FeatureMatchingOptions& options) {
-  std::vector<Pair> pairs;
-  for (const auto& [a, b] : test::bending_cylinder_pairs()) {
-    const test::BendingCylinder source = make_bending_cylinder(a),
-                                target = make_bending_cylinder(b);
-    pairs.push_back(make_pair(
-        source.mesh, target.mesh,
-        [&](VertexIndex v) { return target.rest_place(source.parameters[v]); }, options, 12));
-  }
-  return pairs;
-}
-
-void measure(const char* name, const std::vector<Pair>& pairs,
-             const FeatureMatchingOptions& options) {
+/// `sizes`: so many of the strongest features of both sides; 0: all that were found.
+void measure(const std::string& name, const std::vector<Pair>& pairs,
+             std::pair<std::size_t, std::size_t> sizes, const FeatureMatchingOptions& options) {
   Score whole, thin;
   uint64_t seed = 1;
   for (const Pair& pair : pairs) {
-    add(whole, pair, pair.b, options);
-    for (int draw = 0; draw < 3; ++draw) add(thin, pair, thinned(pair.b, 0.6, seed++), options);
+    Pair used = pair;
+    if (sizes.first > 0) {
+      used.a = strongest(pair.a, sizes.first);
+      used.b = strongest(pair.b, sizes.second);
+    }
+    add(whole, used, used.b, options);
+    for (int draw = 0; draw < 3; ++draw) add(thin, used, thinned(used.b, 0.6, seed++), options);
   }
-  print(name, whole);
-  print((std::string(name) + ", 40 % removed").c_str(), thin);
+  print(name.c_str(), whole);
+  print((name + ", 40 % removed").c_str(), thin);
+}
+
+constexpr std::pair<std::size_t, std::size_t> all{0, 0}, demanded{20, 24};
+
+/// The two rules of the average-geodesic prior beside none, and the thesis' k neighbours.
+void compare_priors(const std::vector<Pair>& faces, const FeatureMatchingOptions& options) {
+  FeatureMatchingOptions changed = options;
+  for (const auto& [name, prior] : {std::pair("no prior", GeodesicPrior::none),
+                                    std::pair("prior printed", GeodesicPrior::printed),
+                                    std::pair("prior same-class", GeodesicPrior::same_class)}) {
+    changed.prior = prior;
+    measure(name, faces, all, changed);
+  }
+}
+
+/// Reads settings, one set per line (name=value …), and measures with each.
+void sweep(const std::vector<Pair>& faces, const FeatureMatchingOptions& options) {
+  for (std::string line; std::getline(std::cin, line);) {
+    FeatureMatchingOptions changed = options;
+    ParameterSet set;
+    changed.declare(set);
+    std::istringstream words(line);
+    for (std::string word; words >> word;) {
+      const std::size_t equals = word.find('=');
+      if (Parameter* p = set.find(word.substr(0, equals))) p->set({word.substr(equals + 1)});
+    }
+    std::printf("%s\n", line.c_str());
+    measure("faces", faces, all, changed);
+    measure("faces, 20 × 24", faces, demanded, changed);
+  }
 }
 
 }  // namespace
@@ -180,34 +238,33 @@ int main(int argc, char** argv) {
     FeatureMatchingOptions options;
     ParameterSet parameters;
     options.declare(parameters);
-    int count = 20;
+    std::size_t count = 20, seed = measured_seed;
+    bool swept = false, remeshed = false;
     for (int k = 1; k < argc; ++k) {
       const std::string word = argv[k];
       const std::size_t equals = word.find('=');
-      if (equals == std::string::npos) {
-        count = std::atoi(argv[k]);
+      if (word == "sweep") {
+        swept = true;
+      } else if (word == "remeshed") {
+        remeshed = true;
+      } else if (word.starts_with("seed=")) {
+        seed = static_cast<std::size_t>(std::atoi(word.c_str() + 5));
+      } else if (equals == std::string::npos) {
+        count = static_cast<std::size_t>(std::max(0, std::atoi(argv[k])));
       } else if (Parameter* p = parameters.find(word.substr(0, equals))) {
         p->set({word.substr(equals + 1)});
       }
     }
-    measure("cylinders", cylinder_pairs(options), options);
-    const std::vector<Pair> faces = face_pairs(count, options);
-    measure("faces", faces, options);
-    if (std::getenv("KINEMESH_SWEEP") == nullptr) return 0;
-    for (std::string line; std::getline(std::cin, line);) {  // name=value …, one set per line
-      FeatureMatchingOptions changed = options;
-      ParameterSet set;
-      changed.declare(set);
-      for (std::size_t at = 0; at < line.size();) {
-        const std::size_t end = std::min(line.find(' ', at), line.size());
-        const std::string word = line.substr(at, end - at);
-        const std::size_t equals = word.find('=');
-        if (Parameter* p = set.find(word.substr(0, equals))) p->set({word.substr(equals + 1)});
-        at = end + 1;
-      }
-      std::printf("%s\n", line.c_str());
-      measure("faces", faces, changed);
-    }
+    const auto shapes = test::bending_cylinder_pairs();
+    const std::vector<Pair> cylinders = make_pairs(shapes.size(), [&](std::size_t k) {
+      return cylinder_pair(shapes[k].first, shapes[k].second);
+    });
+    measure("cylinders", cylinders, all, options);
+    const std::vector<Pair> faces =
+        make_pairs(count, [&](std::size_t k) { return face_pair(k, seed, remeshed); });
+    measure("faces", faces, all, options);
+    measure("faces, 20 × 24", faces, demanded, options);
+    swept ? sweep(faces, options) : compare_priors(faces, options);
   } catch (const Error& e) {
     std::fprintf(stderr, "%s\n", e.what());
     return 1;

@@ -12,6 +12,7 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr std::size_t entry_bytes = 16;
+constexpr std::size_t many_entries = 500'000;  // sweeps are slow: a bound before the first
 
 class BranchAndBound {
  public:
@@ -21,12 +22,14 @@ class BranchAndBound {
     const std::size_t size = state_.table().size();
     state_.improve(800'000 + 2000 * size);
     if (state_.stop() || size == 0) return size == 0 ? 0.0 : -infinite;
-    StarRelaxation root(state_.table(), static_cast<std::size_t>(state_.options().memory_mb) *
-                                            500'000 / entry_bytes);
+    StarRelaxation root(
+        state_.table(),
+        static_cast<std::size_t>(state_.options().memory_mb) * 500'000 / entry_bytes, stop_);
     if (!root.usable()) {
       while (!state_.stop()) state_.improve(10'000'000);
       return -infinite;
     }
+    if (root.entries() > many_entries && !root.lower_rows(stop_)) return -infinite;
     return solve(root, 0);
   }
 
@@ -37,22 +40,33 @@ class BranchAndBound {
     double gained = infinite;
     for (int pass = 0;; ++pass) {
       const double before = node.bound();
-      if (!node.sweep(state_.cutoff(), [this] { return state_.stop(); })) return false;
+      if (!node.sweep(state_.cutoff(), stop_)) return false;
       state_.count_iteration();
       if (node.bound() >= state_.cutoff()) return true;
       state_.offer(node.master());
       state_.improve(share);
       if (node.bound() >= state_.cutoff()) return true;
-      if (node.many_struck_out()) node = node.chosen(StarRelaxation::none);
+      if (node.many_struck_out()) shrink(node);
       // A few passes' mean gain against what is left to gain.
       const double gain = node.bound() - before;
       gained = pass < 2 ? gain : 0.7 * gained + 0.3 * gain;
       const double left = state_.cutoff() - node.bound();
+      if (pass >= 3 && gained * 3.0 * node.width() < left && node.can_widen()) {
+        shrink(node);
+        if (!node.widen(stop_)) return false;
+        pass = -1;
+        continue;
+      }
       const double patience = depth == 0 ? 60.0 : 6.0;
       if (pass >= (depth == 0 ? 10 : 1) && gained * patience < left && may_branch(node)) break;
       if (state_.stop()) return false;
     }
     return false;
+  }
+
+  void shrink(StarRelaxation& node) const {
+    StarRelaxation smaller = node.chosen(StarRelaxation::none, stop_);
+    if (smaller.usable()) node = std::move(smaller);
   }
 
   bool may_branch(const StarRelaxation& node) const {
@@ -75,8 +89,9 @@ class BranchAndBound {
         continue;
       }
       ++branches_;
-      StarRelaxation child = node.chosen(element);
-      bound = std::min(bound, std::max(at_least, solve(child, depth + 1)));
+      StarRelaxation child = node.chosen(element, stop_);
+      bound =
+          std::min(bound, child.usable() ? std::max(at_least, solve(child, depth + 1)) : at_least);
     }
     return std::max(bound, node.bound());
   }
@@ -99,6 +114,7 @@ class BranchAndBound {
 
   SearchState& state_;
   int64_t& branches_;
+  std::function<bool()> stop_ = [this] { return state_.stop(); };
 };
 
 }  // namespace

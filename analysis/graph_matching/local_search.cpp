@@ -162,9 +162,9 @@ void LocalSearch::apply(const Move& move) {
   if (move.other_to != unmatched) set(move.other, move.other_to);
 }
 
-void LocalSearch::search(uint32_t moves) {
+void LocalSearch::search(uint32_t moves, const std::function<bool()>& stop) {
   uint32_t left = moves;
-  while (left > 0) {
+  while (left > 0 && !stop()) {
     const Move move = best_move();
     ++clock_;
     --left;

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <random>
 #include <span>
 #include <vector>
@@ -31,8 +32,9 @@ class LocalSearch {
   void start_greedy();
   /// Starts from the best matching with `changes` left nodes let go at random.
   void start_near_best(uint32_t changes);
-  /// Makes tabu moves until `moves` of them in a row have not improved this start's best.
-  void search(uint32_t moves);
+  /// Makes tabu moves until `moves` of them in a row have not improved this start's best, or `stop`
+  /// asks to end.
+  void search(uint32_t moves, const std::function<bool()>& stop);
   /// Work done, in tabu moves × assignments.
   uint64_t work() const { return work_; }
 

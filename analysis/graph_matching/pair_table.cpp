@@ -22,6 +22,12 @@ PairTable::PairTable(const MatchingProblem& problem)
     cost_.push_back(it.cost);
   }
   fill_lefts();
+  if (std::size_t{left_count_} * right_count_ <= indexed_nodes) {
+    index_.assign(std::size_t{left_count_} * right_count_, unmatched);
+    for (uint32_t a = 0; a < size(); ++a) {
+      index_[std::size_t{left_[a]} * right_count_ + right_[a]] = a;
+    }
+  }
   fill_entries(problem);
   if (size() > dense_assignments) return;
   dense_.assign(std::size_t{size()} * size(), 0.0);
@@ -62,21 +68,36 @@ void PairTable::fill_entries(const MatchingProblem& problem) {
     all[next[p.a]++] = {p.b, p.cost};
     all[next[p.b]++] = {p.a, p.cost};
   }
-  begin_.assign(1, 0);
-  entries_.reserve(all.size());
+  sort_rows(fill, all);
+  merge_repeated(fill, std::move(all));
+}
+
+/// Files mostly name their pairs in order: then the rows are sorted already.
+void PairTable::sort_rows(const std::vector<std::size_t>& begin, std::vector<Entry>& all) const {
   for (uint32_t a = 0; a < size(); ++a) {
-    const auto first = all.begin() + static_cast<std::ptrdiff_t>(fill[a]);
-    const auto last = all.begin() + static_cast<std::ptrdiff_t>(fill[a + 1]);
-    std::stable_sort(first, last, [](const Entry& x, const Entry& y) { return x.other < y.other; });
-    for (auto it = first; it != last; ++it) {
-      if (entries_.size() > begin_[a] && entries_.back().other == it->other) {
-        entries_.back().cost += it->cost;
+    const std::span<Entry> row(all.data() + begin[a], begin[a + 1] - begin[a]);
+    if (!std::ranges::is_sorted(row, {}, &Entry::other)) {
+      std::ranges::stable_sort(row, {}, &Entry::other);
+    }
+  }
+}
+
+/// Costs of a pair that is named twice add up.
+void PairTable::merge_repeated(const std::vector<std::size_t>& begin, std::vector<Entry> all) {
+  begin_.assign(1, 0);
+  std::size_t to = 0;
+  for (uint32_t a = 0; a < size(); ++a) {
+    for (std::size_t k = begin[a]; k < begin[a + 1]; ++k) {
+      if (to > begin_[a] && all[to - 1].other == all[k].other) {
+        all[to - 1].cost += all[k].cost;
       } else {
-        entries_.push_back(*it);
+        all[to++] = all[k];
       }
     }
-    begin_.push_back(entries_.size());
+    begin_.push_back(to);
   }
+  all.resize(to);
+  entries_ = std::move(all);
 }
 
 double PairTable::searched(uint32_t a, uint32_t b) const {
@@ -95,6 +116,7 @@ void PairTable::add_row(uint32_t a, double sign, std::span<double> sums) const {
 }
 
 uint32_t PairTable::find(uint32_t i, uint32_t j) const {
+  if (!index_.empty()) return index_[std::size_t{i} * right_count_ + j];
   const std::span<const uint32_t> mine = of_left(i);
   const auto it = std::ranges::lower_bound(mine, j, {}, [this](uint32_t a) { return right_[a]; });
   return it != mine.end() && right_[*it] == j ? *it : unmatched;

@@ -15,6 +15,7 @@ namespace kinemesh::graph_matching {
 class PairTable {
  public:
   static constexpr std::size_t dense_assignments = 4096;
+  static constexpr std::size_t indexed_nodes = std::size_t{1} << 22;  ///< left × right nodes
 
   explicit PairTable(const MatchingProblem& problem);
 
@@ -50,6 +51,8 @@ class PairTable {
   double searched(uint32_t a, uint32_t b) const;
   void fill_lefts();
   void fill_entries(const MatchingProblem& problem);
+  void sort_rows(const std::vector<std::size_t>& begin, std::vector<Entry>& all) const;
+  void merge_repeated(const std::vector<std::size_t>& begin, std::vector<Entry> all);
 
   uint32_t left_count_, right_count_;
   std::vector<uint32_t> left_, right_;
@@ -59,6 +62,7 @@ class PairTable {
   std::vector<double> dense_;
   std::vector<std::size_t> left_begin_;
   std::vector<uint32_t> by_left_;
+  std::vector<uint32_t> index_;  // assignment by left and right node; empty for very many
 };
 
 }  // namespace kinemesh::graph_matching

@@ -10,14 +10,21 @@
 
 namespace kinemesh::graph_matching {
 
+using Clock = std::chrono::steady_clock;
+
+/// A bound that needs no iteration: every pair at its best.
+double simple_bound(const PairTable& table);
+
 class SearchState {
  public:
-  SearchState(const MatchingProblem& problem, const MatchingOptions& options,
-              const RunContext& ctx);
+  /// `begin`: since when the time limit counts.
+  SearchState(const MatchingProblem& problem, const MatchingOptions& options, const RunContext& ctx,
+              Clock::time_point begin);
 
   const PairTable& table() const { return table_; }
   const MatchingOptions& options() const { return options_; }
   LocalSearch& local() { return local_; }
+  double simple_bound() const { return simple_bound_; }
 
   /// The least energy found so far, without the constant.
   double energy() const { return local_.best_energy(); }
@@ -40,16 +47,14 @@ class SearchState {
  private:
   const MatchingOptions& options_;
   const RunContext& ctx_;
-  std::chrono::steady_clock::time_point begin_;
+  Clock::time_point begin_;
   PairTable table_;
   LocalSearch local_;
+  double simple_bound_;
   int64_t iterations_ = 0;
   uint64_t starts_ = 0;
   bool out_of_time_ = false;
 };
-
-/// A bound that needs no iteration: every pair at its best.
-double simple_bound(const PairTable& table);
 
 /// Both return a bound below every energy (without the constant), minus infinity when stopped
 /// before there was one.

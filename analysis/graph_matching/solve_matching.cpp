@@ -33,19 +33,22 @@ void MatchingOptions::declare(ParameterSet& p) {
 namespace graph_matching {
 
 SearchState::SearchState(const MatchingProblem& problem, const MatchingOptions& options,
-                         const RunContext& ctx)
+                         const RunContext& ctx, Clock::time_point begin)
     : options_(options),
       ctx_(ctx),
-      begin_(std::chrono::steady_clock::now()),
+      begin_(begin),
       table_(problem),
-      local_(table_, ctx.seed()) {}
+      local_(table_, ctx.seed()),
+      simple_bound_(graph_matching::simple_bound(table_)) {
+  local_.start_greedy();  // whatever the time limit, there is a matching
+}
 
 double SearchState::cutoff() const {
   return energy() - std::max(options_.gap * std::abs(energy()), 1e-12);
 }
 
 double SearchState::seconds() const {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+  return std::chrono::duration<double>(Clock::now() - begin_).count();
 }
 
 bool SearchState::time_is_up() {
@@ -62,7 +65,7 @@ void SearchState::offer(const std::vector<uint32_t>& assignments) {
   Matching matching(table_.left_count(), unmatched);
   for (const uint32_t a : assignments) matching[table_.left(a)] = a;
   local_.start_from(matching);
-  local_.search(5 + table_.left_count() / 4);
+  local_.search(5 + table_.left_count() / 4, [this] { return stop(); });
 }
 
 void SearchState::improve(uint64_t work) {
@@ -75,7 +78,7 @@ void SearchState::improve(uint64_t work) {
       local_.start_near_best(2 + static_cast<uint32_t>(starts_ % 7) * table_.left_count() / 14);
     }
     ++starts_;
-    local_.search(20 + 2 * table_.left_count());
+    local_.search(20 + 2 * table_.left_count(), [this] { return stop(); });
   }
 }
 
@@ -83,9 +86,10 @@ void SearchState::improve(uint64_t work) {
 
 MatchingResult solve_matching(const MatchingProblem& problem, const MatchingOptions& options,
                               const RunContext& ctx) {
+  const auto begin = graph_matching::Clock::now();
   options.validate();
   problem.validate();
-  graph_matching::SearchState state(problem, options, ctx);
+  graph_matching::SearchState state(problem, options, ctx, begin);
   MatchingResult result;
   const double bound = options.method == MatchingMethod::subgradient
                            ? graph_matching::bound_by_subgradient(state)
@@ -96,8 +100,7 @@ MatchingResult solve_matching(const MatchingProblem& problem, const MatchingOpti
     if (best[i] != unmatched) result.labelling[i] = problem.assignments[best[i]].right;
   }
   result.energy = problem.energy(result.labelling);
-  const double simple = graph_matching::simple_bound(state.table());
-  result.bound = std::min(std::max(bound, simple) + problem.constant, result.energy);
+  result.bound = std::min(std::max(bound, state.simple_bound()) + problem.constant, result.energy);
   result.iterations = state.iterations();
   result.seconds = state.seconds();
   result.time_is_up = state.was_out_of_time();

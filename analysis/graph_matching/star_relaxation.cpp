@@ -10,89 +10,6 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-StarRelaxation::StarRelaxation(const PairTable& table, std::size_t max_entries)
-    : column_count_(table.right_count()), lap_(table.right_count()) {
-  make_elements(table);
-  make_entries(table, max_entries);
-}
-
-void StarRelaxation::make_elements(const PairTable& table) {
-  const auto add = [this](uint32_t row, uint32_t column, uint32_t assignment, double cost) {
-    row_.push_back(row);
-    column_.push_back(column);
-    assignment_.push_back(assignment);
-    theta_.push_back(cost);
-  };
-  std::vector<char> used(column_count_, 0);
-  for (uint32_t i = 0; i < table.left_count(); ++i) {
-    if (table.of_left(i).empty()) continue;
-    for (const uint32_t a : table.of_left(i)) {
-      add(i, table.right(a), a, table.cost(a));
-      used[table.right(a)] = 1;
-    }
-    add(i, none, none, 0.0);
-  }
-  for (uint32_t j = 0; j < column_count_; ++j) {
-    if (used[j] != 0) add(none, j, none, 0.0);
-  }
-  alive_.assign(row_.size(), 1);
-}
-
-bool StarRelaxation::excludes(uint32_t a, uint32_t b) const {
-  return (row_[a] == row_[b] && row_[a] != none) ||
-         (column_[a] == column_[b] && column_[a] != none);
-}
-
-void StarRelaxation::make_entries(const PairTable& table, std::size_t max_entries) {
-  const std::size_t count = row_.size();
-  columns_complete_ = count * count <= max_entries;
-  // Which left nodes share pair costs; all of them when there is room.
-  const std::size_t n = table.left_count();
-  std::vector<char> near;
-  if (!columns_complete_) {
-    if (n * n > max_entries) {
-      usable_ = false;
-      return;
-    }
-    near.assign(n * n, 0);
-    for (uint32_t a = 0; a < table.size(); ++a) {
-      for (const PairTable::Entry& e : table.row(a))
-        near[table.left(a) * n + table.left(e.other)] = 1;
-    }
-  }
-  begin_.assign(1, 0);
-  for (uint32_t a = 0; a < count; ++a) {
-    for (uint32_t b = 0; b < count; ++b) {
-      if (excludes(a, b)) continue;
-      if (!columns_complete_ &&
-          (row_[a] == none || row_[b] == none || near[row_[a] * n + row_[b]] == 0)) {
-        continue;
-      }
-      const bool real = assignment_[a] != none && assignment_[b] != none;
-      other_.push_back(b);
-      cost_.push_back(real ? 0.5 * table.pair_cost(assignment_[a], assignment_[b]) : 0.0);
-    }
-    if (other_.size() > max_entries) {
-      usable_ = false;
-      return;
-    }
-    begin_.push_back(other_.size());
-  }
-  link_back();
-}
-
-/// Stars are visited in the order in which their entries stand in the other stars.
-void StarRelaxation::link_back() {
-  std::vector<std::size_t> next(begin_.begin(), begin_.end() - 1);
-  back_.resize(other_.size());
-  for (uint32_t a = 0; a < row_.size(); ++a) {
-    for (std::size_t e = begin_[a]; e < begin_[a + 1]; ++e) {
-      back_[e] = static_cast<uint32_t>(next[other_[e]]++);
-    }
-  }
-  reduced_ = theta_;
-}
-
 /// Collects what both stars hold of a's pairs into the linear assignment of star a.
 void StarRelaxation::gather(uint32_t a) {
   lap_.clear();
@@ -220,6 +137,31 @@ void StarRelaxation::spread_star(uint32_t a) {
   theta_[a] = 0.0;
 }
 
+/// Takes the least cost of every row out of each star: a bound at little cost, from which on any
+/// sweep may be interrupted.
+bool StarRelaxation::lower_rows(const std::function<bool()>& stop) {
+  for (uint32_t a = 0; a < row_.size(); ++a) {
+    if (stop()) return false;
+    for (std::size_t first = begin_[a]; first < begin_[a + 1];) {
+      std::size_t last = first;
+      double least = infinite;
+      for (; last < begin_[a + 1] && row_[other_[last]] == row_[other_[first]]; ++last) {
+        least = std::min(least, cost_[last]);
+      }
+      if (row_[other_[first]] != none) {
+        for (std::size_t e = first; e < last; ++e) cost_[e] -= least;
+        theta_[a] += least;
+      }
+      first = last;
+    }
+  }
+  solve_master();
+  nonnegative_ = true;
+  reduced_ = theta_;
+  for (uint32_t a = 0; a < row_.size(); ++a) spread_star(a);
+  return true;
+}
+
 /// After each row of stars, what the master does not need goes back to their pairs, so that the
 /// next rows find it.
 bool StarRelaxation::sweep(double cutoff, const std::function<bool()>& stop) {
@@ -272,51 +214,6 @@ std::vector<uint32_t> StarRelaxation::branch_elements() const {
 
 bool StarRelaxation::many_struck_out() const {
   return 5 * static_cast<std::size_t>(std::ranges::count(alive_, 0)) > alive_.size();
-}
-
-StarRelaxation StarRelaxation::chosen(uint32_t element) const {
-  StarRelaxation rest;
-  rest.column_count_ = column_count_;
-  rest.columns_complete_ = columns_complete_;
-  rest.nonnegative_ = nonnegative_;
-  rest.bound_ = bound_;
-  rest.fixed_ = fixed_;
-  rest.lap_ = SlackAssignment(column_count_);
-  std::vector<double> added(row_.size(), 0.0);
-  if (element != none) {
-    rest.bound_ += theta_[element];
-    if (assignment_[element] != none) rest.fixed_.push_back(assignment_[element]);
-    for (std::size_t e = begin_[element]; e < begin_[element + 1]; ++e) {
-      added[other_[e]] = cost_[e] + cost_[back_[e]];
-    }
-  }
-  std::vector<uint32_t> kept(row_.size(), none);
-  for (uint32_t a = 0; a < row_.size(); ++a) {
-    if (alive_[a] == 0 || added[a] == infinite) continue;
-    if (element != none && (a == element || excludes(a, element))) continue;
-    kept[a] = static_cast<uint32_t>(rest.row_.size());
-    rest.row_.push_back(row_[a]);
-    rest.column_.push_back(column_[a]);
-    rest.assignment_.push_back(assignment_[a]);
-    rest.theta_.push_back(theta_[a] + added[a]);
-  }
-  rest.alive_.assign(rest.row_.size(), 1);
-  rest.copy_entries(*this, kept);
-  return rest;
-}
-
-void StarRelaxation::copy_entries(const StarRelaxation& from, const std::vector<uint32_t>& kept) {
-  begin_.assign(1, 0);
-  for (uint32_t a = 0; a < kept.size(); ++a) {
-    if (kept[a] == none) continue;
-    for (std::size_t e = from.begin_[a]; e < from.begin_[a + 1]; ++e) {
-      if (kept[from.other_[e]] == none) continue;
-      other_.push_back(kept[from.other_[e]]);
-      cost_.push_back(from.cost_[e]);
-    }
-    begin_.push_back(other_.size());
-  }
-  link_back();
 }
 
 }  // namespace kinemesh::graph_matching

@@ -23,15 +23,26 @@ class StarRelaxation {
  public:
   static constexpr uint32_t none = UINT32_MAX;
 
-  /// `max_entries` bounds the memory (16 bytes an entry): above it, stars reach only over left
-  /// nodes that share pair costs; usable() is false when even that is too much.
-  StarRelaxation(const PairTable& table, std::size_t max_entries);
+  /// `max_entries` bounds the memory (16 bytes an entry): above it, and where few left nodes share
+  /// pair costs, stars reach only over those that do; usable() is false when even that is too much
+  /// or `stop` asked to end.
+  StarRelaxation(const PairTable& table, std::size_t max_entries,
+                 const std::function<bool()>& stop);
 
   bool usable() const { return usable_; }
   std::size_t entries() const { return other_.size(); }
   /// No matching that is left has a smaller energy; minus infinity before the first sweep ends.
   double bound() const { return nonnegative_ ? bound_ : -std::numeric_limits<double>::infinity(); }
 
+  /// Whether stars reach over a part only, and there is memory for the whole.
+  bool can_widen() const;
+  /// How many times as much there is over everything.
+  double width() const;
+  /// Lets stars reach over everything, which bounds better and takes longer; false when stopped.
+  bool widen(const std::function<bool()>& stop);
+
+  /// A first bound at little cost; false when stopped.
+  bool lower_rows(const std::function<bool()>& stop);
   /// One pass over all stars and the master. `cutoff`: only energies below it matter. Returns false
   /// when `stop` asked to end; the bound stays valid.
   bool sweep(double cutoff, const std::function<bool()>& stop);
@@ -43,14 +54,17 @@ class StarRelaxation {
   /// What the bound is at least when the element is chosen.
   double bound_with(uint32_t element) const { return bound_ + reduced_[element]; }
   /// The rest of the problem once the element is chosen (`none`: nothing but a smaller copy).
-  StarRelaxation chosen(uint32_t element) const;
+  /// Not usable when `stop` asked to end.
+  StarRelaxation chosen(uint32_t element, const std::function<bool()>& stop) const;
   bool many_struck_out() const;
 
  private:
   StarRelaxation() = default;
   void make_elements(const PairTable& table);
-  void make_entries(const PairTable& table, std::size_t max_entries);
-  void copy_entries(const StarRelaxation& from, const std::vector<uint32_t>& kept);
+  std::vector<char> sharing_rows(const PairTable& table) const;
+  bool make_entries(const PairTable& table, const std::function<bool()>& stop);
+  bool copy_entries(const StarRelaxation& from, const std::vector<uint32_t>& kept,
+                    const std::function<bool()>& stop);
   void link_back();
   bool excludes(uint32_t a, uint32_t b) const;
   bool solve_star(uint32_t a, double cutoff);
@@ -61,6 +75,7 @@ class StarRelaxation {
   void spread_star(uint32_t a);
 
   uint32_t column_count_ = 0;
+  std::size_t max_entries_ = 0;
   bool usable_ = true, columns_complete_ = true, nonnegative_ = false, forward_ = true;
   double bound_ = 0.0;
   // Elements: rows in order, each with its assignments and then its slack; column slacks last.
