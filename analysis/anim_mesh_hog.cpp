@@ -77,6 +77,66 @@ void count_direction(const Eigen::Vector3d& gradient, Octant& octant) {
   octant(row, column) += length / solid;
 }
 
+/// The grid's places in [−1, 1].
+double coordinate(int i, int size) { return (2.0 * i + 1.0) / size - 1.0; }
+
+Eigen::MatrixXd grid_places() {
+  Eigen::MatrixXd places(grid * grid, 2);
+  for (int y = 0; y < grid; ++y) {
+    for (int x = 0; x < grid; ++x) {
+      places.row(y * grid + x) << coordinate(x, grid), coordinate(y, grid);
+    }
+  }
+  return places;
+}
+
+/// Gradients by central differences of a volume (places × time_grid) between two moments, counted
+/// per octant.
+std::array<Octant, 8> count_gradients(const Eigen::MatrixXd& volume, double earliest,
+                                      double latest) {
+  std::array<Octant, 8> octants;
+  for (Octant& o : octants) o.setZero();
+  for (int t = 0; t < time_grid; ++t) {
+    const double time = coordinate(t, time_grid);
+    if (time < earliest || time > latest) continue;
+    const int t0 = std::max(t - 1, 0), t1 = std::min(t + 1, time_grid - 1);
+    for (int y = 1; y + 1 < grid; ++y) {
+      for (int x = 1; x + 1 < grid; ++x) {
+        const double px = coordinate(x, grid), py = coordinate(y, grid);
+        if (px * px + py * py > 1.0) continue;
+        const int at = y * grid + x;
+        const Eigen::Vector3d gradient(
+            (volume(at + 1, t) - volume(at - 1, t)) * grid / 4.0,
+            (volume(at + grid, t) - volume(at - grid, t)) * grid / 4.0,
+            (volume(at, t1) - volume(at, t0)) * time_grid / (2.0 * (t1 - t0)));
+        const std::size_t octant = (px > 0 ? 1U : 0U) | (py > 0 ? 2U : 0U) | (time > 0 ? 4U : 0U);
+        count_direction(gradient, octants[octant]);
+      }
+    }
+  }
+  return octants;
+}
+
+/// The octants smoothed, one after the other, with a sum of 1; zeros where nothing changes.
+std::vector<float> normalised(std::array<Octant, 8> octants) {
+  static const Eigen::MatrixXd across = smoother(elevations, false),
+                               along = smoother(azimuths, true);
+  std::vector<float> result(8 * elevations * azimuths, 0.0F);
+  double total = 0.0;
+  for (Octant& o : octants) {
+    o = (across * o * along.transpose()).cwiseMax(0.0).eval();
+    total += o.sum();
+  }
+  if (!(total > 0.0)) return result;
+  std::size_t next = 0;
+  for (const Octant& o : octants) {
+    for (int e = 0; e < elevations; ++e) {
+      for (int a = 0; a < azimuths; ++a) result[next++] = static_cast<float>(o(e, a) / total);
+    }
+  }
+  return result;
+}
+
 }  // namespace
 
 struct AnimMeshHog::Patch {
@@ -239,88 +299,72 @@ void AnimMeshHog::align(Patch& patch, std::size_t frame) const {
   for (Eigen::Vector2d& p : patch.plane) p = turn * p;
 }
 
+/// The frames of a feature's volume; beyond the animation's ends there is none.
+struct AnimMeshHog::Moments {
+  std::vector<std::size_t> frames;
+  double half = 0.0;  ///< of the volume's duration, in frames
+  double step = 0.0;  ///< between the frames, in `half`
+  static Moments of(const Feature& feature, const AnimatedMesh& animation, double patch_size);
+  double time_of(std::size_t frame, const Feature& feature) const {
+    return (static_cast<double>(frame) - feature.frame) / half;
+  }
+};
+
+AnimMeshHog::Moments AnimMeshHog::Moments::of(const Feature& feature, const AnimatedMesh& animation,
+                                              double patch_size) {
+  const double rate = animation.rate_hz > 0 ? animation.rate_hz : 1.0;
+  Moments result{.frames = {}, .half = std::max(patch_size * feature.tau_s * rate, 2.0)};
+  const auto last = static_cast<double>(animation.frame_count()) - 1.0;
+  const auto from =
+      static_cast<std::size_t>(std::max(0.0, std::floor(feature.frame - result.half)));
+  const auto to = static_cast<std::size_t>(std::min(last, std::ceil(feature.frame + result.half)));
+  const std::size_t stride = std::max<std::size_t>((to - from) / 48, 1);
+  for (std::size_t f = from; f <= to; f += stride) result.frames.push_back(f);
+  result.step = static_cast<double>(stride) / result.half;
+  return result;
+}
+
 std::vector<float> AnimMeshHog::histogram(const Feature& feature) const {
-  std::vector<float> result(8 * elevations * azimuths, 0.0F);
   Patch patch = make_patch(feature);
-  if (patch.vertices.size() < 4 || patch.local.empty()) return result;
+  if (patch.vertices.size() < 4 || patch.local.empty()) {
+    return std::vector<float>(8 * elevations * azimuths, 0.0F);
+  }
   flatten(patch);
   align(patch, feature.frame);
-  // Places of the grid in [−1, 1]², and the matrix that interpolates to them.
+  const Moments moments = Moments::of(feature, animation_, patch_);
+  const Eigen::MatrixXd volume = volume_of(patch, feature, moments);
+  return normalised(
+      count_gradients(volume, moments.time_of(moments.frames.front(), feature) - moments.step,
+                      moments.time_of(moments.frames.back(), feature) + moments.step));
+}
+
+/// Deformation on the regular grid in space and time: places × time_grid.
+Eigen::MatrixXd AnimMeshHog::volume_of(const Patch& patch, const Feature& feature,
+                                       const Moments& moments) const {
   const std::vector<std::size_t> chosen = thinned(patch.vertices.size(), kernel_points);
-  Eigen::MatrixXd points(static_cast<Eigen::Index>(chosen.size()), 2), places(grid * grid, 2);
-  for (std::size_t i = 0; i < chosen.size(); ++i) {
-    points.row(static_cast<Eigen::Index>(i)) = patch.plane[chosen[i]].transpose() / patch.radius;
-  }
-  const auto coordinate = [](int i, int size) { return (2.0 * i + 1.0) / size - 1.0; };
-  for (int y = 0; y < grid; ++y) {
-    for (int x = 0; x < grid; ++x) {
-      places.row(y * grid + x) << coordinate(x, grid), coordinate(y, grid);
-    }
+  const auto count = static_cast<Eigen::Index>(chosen.size());
+  const auto frames = static_cast<Eigen::Index>(moments.frames.size());
+  Eigen::MatrixXd points(count, 2), times(frames, 1), time_places(time_grid, 1);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    points.row(i) = patch.plane[chosen[static_cast<std::size_t>(i)]].transpose() / patch.radius;
   }
   const double spacing = std::sqrt(std::numbers::pi / static_cast<double>(chosen.size()));
-  const Eigen::MatrixXd in_space = interpolation(points, places, std::max(2.0 / grid, spacing));
-  // The frames of the volume; beyond the animation's ends there is none.
-  const double rate = animation_.rate_hz > 0 ? animation_.rate_hz : 1.0;
-  const double half = std::max(patch_ * feature.tau_s * rate, 2.0);
-  const auto last = static_cast<double>(animation_.frame_count()) - 1.0;
-  const auto from = static_cast<std::size_t>(std::max(0.0, std::floor(feature.frame - half)));
-  const auto to = static_cast<std::size_t>(std::min(last, std::ceil(feature.frame + half)));
-  const std::size_t stride = std::max<std::size_t>((to - from) / 48, 1);
-  std::vector<std::size_t> frames;
-  for (std::size_t f = from; f <= to; f += stride) frames.push_back(f);
-  const auto moments = static_cast<Eigen::Index>(frames.size());
-  Eigen::MatrixXd times(moments, 1), time_places(time_grid, 1);
-  Eigen::MatrixXd values(static_cast<Eigen::Index>(chosen.size()), moments);
-  for (Eigen::Index m = 0; m < moments; ++m) {
-    const std::size_t f = frames[static_cast<std::size_t>(m)];
-    times(m, 0) = (static_cast<double>(f) - feature.frame) / half;
-    for (std::size_t i = 0; i < chosen.size(); ++i) {
-      values(static_cast<Eigen::Index>(i), m) =
-          static_cast<double>(deformation_.values.of(patch.vertices[chosen[i]])[f]);
+  const Eigen::MatrixXd in_space =
+      interpolation(points, grid_places(), std::max(2.0 / grid, spacing));
+  Eigen::MatrixXd values(count, frames);
+  for (Eigen::Index m = 0; m < frames; ++m) {
+    const std::size_t f = moments.frames[static_cast<std::size_t>(m)];
+    times(m, 0) = moments.time_of(f, feature);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const VertexIndex v = patch.vertices[chosen[static_cast<std::size_t>(i)]];
+      values(i, m) = static_cast<double>(deformation_.values.of(v)[f]);
     }
   }
   for (int t = 0; t < time_grid; ++t) time_places(t, 0) = coordinate(t, time_grid);
-  const double step = static_cast<double>(stride) / half;
   const Eigen::MatrixXd in_time =
-      interpolation(times, time_places, std::max(2.0 / time_grid, 1.5 * step));
+      interpolation(times, time_places, std::max(2.0 / time_grid, 1.5 * moments.step));
   values.array() -= values.mean();
-  const Eigen::MatrixXd volume = in_space * values * in_time.transpose();  // places × time_grid
-  // Gradients by central differences, counted per octant.
-  std::array<Octant, 8> octants;
-  for (Octant& o : octants) o.setZero();
-  for (int t = 0; t < time_grid; ++t) {
-    const double time = coordinate(t, time_grid);
-    if (time < times(0, 0) - step || time > times(moments - 1, 0) + step) continue;
-    const int t0 = std::max(t - 1, 0), t1 = std::min(t + 1, time_grid - 1);
-    for (int y = 1; y + 1 < grid; ++y) {
-      for (int x = 1; x + 1 < grid; ++x) {
-        const double px = coordinate(x, grid), py = coordinate(y, grid);
-        if (px * px + py * py > 1.0) continue;
-        const int at = y * grid + x;
-        const Eigen::Vector3d gradient(
-            (volume(at + 1, t) - volume(at - 1, t)) * grid / 4.0,
-            (volume(at + grid, t) - volume(at - grid, t)) * grid / 4.0,
-            (volume(at, t1) - volume(at, t0)) * time_grid / (2.0 * (t1 - t0)));
-        const std::size_t octant = (px > 0 ? 1U : 0U) | (py > 0 ? 2U : 0U) | (time > 0 ? 4U : 0U);
-        count_direction(gradient, octants[octant]);
-      }
-    }
-  }
-  static const Eigen::MatrixXd across = smoother(elevations, false),
-                               along = smoother(azimuths, true);
-  double total = 0.0;
-  for (Octant& o : octants) {
-    o = (across * o * along.transpose()).cwiseMax(0.0).eval();
-    total += o.sum();
-  }
-  if (!(total > 0.0)) return result;
-  std::size_t next = 0;
-  for (const Octant& o : octants) {
-    for (int e = 0; e < elevations; ++e) {
-      for (int a = 0; a < azimuths; ++a) result[next++] = static_cast<float>(o(e, a) / total);
-    }
-  }
-  return result;
+  return in_space * values * in_time.transpose();
 }
 
 }  // namespace kinemesh

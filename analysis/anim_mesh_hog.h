@@ -17,9 +17,12 @@ class AnimMeshHog {
 
  private:
   struct Patch;
+  struct Moments;
   Patch make_patch(const Feature& feature) const;
   void flatten(Patch& patch) const;
   void align(Patch& patch, std::size_t frame) const;
+  Eigen::MatrixXd volume_of(const Patch& patch, const Feature& feature,
+                            const Moments& moments) const;
 
   const AnimatedMesh& animation_;
   const DeformationResult& deformation_;

@@ -279,59 +279,68 @@ void RowTester::run_block(std::size_t begin, std::size_t end, std::vector<Hit>& 
   }
 }
 
-TimeKernels::TimeKernels(const Scales& scales, std::size_t frames) : frames_(frames) {
-  // Each level's kernel on an endless line, by convolution.
-  std::vector<std::vector<double>> kernels;
-  std::vector<double> kernel{1.0};
-  const auto convolve = [&kernel](const TimeStep& step) {
-    for (int pass = 0; pass < step.passes; ++pass) {
-      std::vector<double> wider(kernel.size() + 2, 0.0);
-      for (std::size_t i = 0; i < kernel.size(); ++i) {
-        wider[i] += step.a * kernel[i];
-        wider[i + 1] += (1.0 - 2.0 * step.a) * kernel[i];
-        wider[i + 2] += step.a * kernel[i];
-      }
-      kernel = std::move(wider);
-      while (kernel.size() > 3 && kernel.front() < 1e-9) {
-        kernel.erase(kernel.begin());
-        kernel.pop_back();
-      }
+namespace {
+
+using Kernel = std::vector<double>;
+
+/// The kernel after one more step, without tails below 1e-9.
+Kernel convolved(Kernel kernel, const TimeStep& step) {
+  for (int pass = 0; pass < step.passes; ++pass) {
+    Kernel wider(kernel.size() + 2, 0.0);
+    for (std::size_t i = 0; i < kernel.size(); ++i) {
+      wider[i] += step.a * kernel[i];
+      wider[i + 1] += (1.0 - 2.0 * step.a) * kernel[i];
+      wider[i + 2] += step.a * kernel[i];
     }
-  };
-  convolve(scales.first);
-  kernels.push_back(kernel);
-  for (const TimeStep& step : scales.steps) {
-    convolve(step);
-    kernels.push_back(kernel);
+    kernel = std::move(wider);
+    while (kernel.size() > 3 && kernel.front() < 1e-9) {
+      kernel.erase(kernel.begin());
+      kernel.pop_back();
+    }
   }
-  for (auto& k : kernels) {
+  return kernel;
+}
+
+/// Each temporal level's kernel on an endless line; sums are 1.
+std::vector<Kernel> kernels_of(const Scales& scales) {
+  std::vector<Kernel> kernels{convolved({1.0}, scales.first)};
+  for (const TimeStep& step : scales.steps) kernels.push_back(convolved(kernels.back(), step));
+  for (Kernel& k : kernels) {
     double sum = 0.0;
     for (const double w : k) sum += w;
     for (double& w : k) w /= sum;
   }
-  // On the frames there are: what falls beyond an end is mirrored.
+  return kernels;
+}
+
+/// The kernel around frame f on the frames there are: what falls beyond an end is mirrored.
+void spread(const Kernel& kernel, std::ptrdiff_t f, std::vector<double>& to) {
+  const auto count = static_cast<std::ptrdiff_t>(to.size());
+  std::ranges::fill(to, 0.0);
+  const auto reach = static_cast<std::ptrdiff_t>(kernel.size() / 2);
+  for (std::ptrdiff_t j = -reach; j <= reach; ++j) {
+    std::ptrdiff_t at = (f + j) % (2 * count);
+    if (at < 0) at += 2 * count;
+    if (at >= count) at = 2 * count - 1 - at;
+    to[static_cast<std::size_t>(at)] += kernel[static_cast<std::size_t>(j + reach)];
+  }
+}
+
+}  // namespace
+
+TimeKernels::TimeKernels(const Scales& scales, std::size_t frames) : frames_(frames) {
+  const std::vector<Kernel> kernels = kernels_of(scales);
   const auto count = static_cast<std::ptrdiff_t>(frames);
   std::vector<double> now(frames), then(frames);
-  const auto spread = [&](const std::vector<double>& k, std::ptrdiff_t f, std::vector<double>& to) {
-    std::fill(to.begin(), to.end(), 0.0);
-    const auto reach = static_cast<std::ptrdiff_t>(k.size() / 2);
-    for (std::ptrdiff_t j = -reach; j <= reach; ++j) {
-      std::ptrdiff_t at = (f + j) % (2 * count);
-      if (at < 0) at += 2 * count;
-      if (at >= count) at = 2 * count - 1 - at;
-      to[static_cast<std::size_t>(at)] += k[static_cast<std::size_t>(j + reach)];
-    }
-  };
   for (std::size_t l = 0; l < scales.tau_levels; ++l) {
-    const std::ptrdiff_t reach = static_cast<std::ptrdiff_t>(kernels[l + 1].size() / 2);
+    const auto reach = static_cast<std::ptrdiff_t>(kernels[l + 1].size() / 2);
     for (std::ptrdiff_t f = 0; f < count; ++f) {
       spread(kernels[l], f, now);
       spread(kernels[l + 1], f, then);
-      Row row;
       const std::ptrdiff_t begin = std::max<std::ptrdiff_t>(0, f - reach);
-      row.begin = static_cast<uint32_t>(begin);
-      row.length = static_cast<uint32_t>(std::min(count, f + reach + 1) - begin);
-      row.at = weights_.size();
+      const Row row{.begin = static_cast<uint32_t>(begin),
+                    .length = static_cast<uint32_t>(std::min(count, f + reach + 1) - begin),
+                    .at = weights_.size()};
       for (std::size_t i = 0; i < row.length; ++i) {
         weights_.push_back(static_cast<float>(now[row.begin + i]));
       }

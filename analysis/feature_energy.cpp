@@ -186,50 +186,74 @@ double FeatureEnergy::coherence_weight(const Near& source, const Near& target) c
 
 MatchingProblem FeatureEnergy::problem() const {
   const std::size_t n = source_.places.size(), m = target_.places.size();
+  const double smaller = static_cast<double>(std::min(n, m));
   MatchingProblem problem{.left_count = static_cast<uint32_t>(n),
                           .right_count = static_cast<uint32_t>(m),
-                          .assignments = assignments()};
-  std::vector<MatchingAssignment>& all = problem.assignments;
-  const double size = static_cast<double>(all.size());
-  if (0.5 * size * size > options_.max_pairs && options_.neighbours == 0) {
-    throw NoResultError(
-        {.what = std::to_string(n) + " and " + std::to_string(m) + " features give " +
-                 std::to_string(static_cast<int64_t>(0.5 * size * size)) +
-                 " pairs of matches to compare, about " +
-                 std::to_string(static_cast<int64_t>(size * size * 32e-6)) + " MB",
-         .remedy = "Compare neighbours only (--neighbours 6), match fewer features, or raise "
-                   "--max-pairs"});
-  }
-  const Near near_a = nearest(source_, options_.neighbours);
-  const Near near_b = nearest(target_, options_.neighbours);
-  const Near close_a = nearest(source_, std::max(1, options_.coherence_neighbours));
-  const Near close_b = nearest(target_, std::max(1, options_.coherence_neighbours));
-  const double coherence = coherence_weight(close_a, close_b);
-  const auto degree = [](const Near& near, uint32_t p) {
-    return std::accumulate(near[p].begin(), near[p].end(), 0.0);
-  };
-  for (MatchingAssignment& a : all) {
-    a.cost = options_.descriptor * descriptor(a.left, a.right) - options_.matched +
-             coherence * (degree(close_a, a.left) + degree(close_b, a.right));
-  }
-  const double smaller = static_cast<double>(std::min(n, m));
+                          .assignments = assignments(),
+                          .constant = options_.matched * smaller};
+  refuse_too_many(problem.assignments.size());
+  Neighbourhoods around{
+      .compared_source = nearest(source_, options_.neighbours),
+      .compared_target = nearest(target_, options_.neighbours),
+      .coherent_source = nearest(source_, std::max(1, options_.coherence_neighbours)),
+      .coherent_target = nearest(target_, std::max(1, options_.coherence_neighbours))};
+  around.coherence = coherence_weight(around.coherent_source, around.coherent_target);
   const double others = options_.neighbours > 0
                             ? std::min<double>(options_.neighbours, smaller - 1.0)
                             : smaller - 1.0;
-  const double share = 2.0 / std::max(1.0, others);
+  around.share = 2.0 / std::max(1.0, others);
+  set_costs(around, problem.assignments);
+  add_pairs(around, problem);
+  return problem;
+}
+
+void FeatureEnergy::refuse_too_many(std::size_t assignments) const {
+  const double size = static_cast<double>(assignments);
+  if (0.5 * size * size <= options_.max_pairs || options_.neighbours > 0) return;
+  throw NoResultError(
+      {.what = std::to_string(source_.places.size()) + " and " +
+               std::to_string(target_.places.size()) + " features give " +
+               std::to_string(static_cast<int64_t>(0.5 * size * size)) +
+               " pairs of matches to compare, about " +
+               std::to_string(static_cast<int64_t>(size * size * 32e-6)) + " MB",
+       .remedy = "Compare neighbours only (--neighbours 6), match fewer features, or raise "
+                 "--max-pairs"});
+}
+
+/// What each match costs by itself.
+void FeatureEnergy::set_costs(const Neighbourhoods& around,
+                              std::vector<MatchingAssignment>& assignments) const {
+  const auto degree = [](const Near& near, uint32_t p) {
+    return std::accumulate(near[p].begin(), near[p].end(), 0.0);
+  };
+  for (MatchingAssignment& a : assignments) {
+    a.cost = options_.descriptor * descriptor(a.left, a.right) - options_.matched +
+             around.coherence *
+                 (degree(around.coherent_source, a.left) + degree(around.coherent_target, a.right));
+  }
+}
+
+double FeatureEnergy::pair_cost(const Neighbourhoods& around, const MatchingAssignment& a,
+                                const MatchingAssignment& b) const {
+  double cost = -2.0 * around.coherence *
+                ((around.coherent_source[a.left][b.left] != 0 ? 1.0 : 0.0) +
+                 (around.coherent_target[a.right][b.right] != 0 ? 1.0 : 0.0));
+  if (around.compared_source[a.left][b.left] != 0 ||
+      around.compared_target[a.right][b.right] != 0) {
+    const PairTerms terms = pair(a.left, b.left, a.right, b.right);
+    cost += around.share *
+            (options_.geodesic * terms.geodesic + options_.orientation * terms.orientation +
+             (terms.prior_broken ? broken_prior : 0.0));
+  }
+  return cost;
+}
+
+void FeatureEnergy::add_pairs(const Neighbourhoods& around, MatchingProblem& problem) const {
+  const std::vector<MatchingAssignment>& all = problem.assignments;
   for (uint32_t a = 0; a < all.size(); ++a) {
     for (uint32_t b = a + 1; b < all.size(); ++b) {
-      const auto [p, q, x] = all[a];
-      const auto [p2, q2, y] = all[b];
-      if (p == p2 || q == q2) continue;
-      double cost = -2.0 * coherence *
-                    ((close_a[p][p2] != 0 ? 1.0 : 0.0) + (close_b[q][q2] != 0 ? 1.0 : 0.0));
-      if (near_a[p][p2] != 0 || near_b[q][q2] != 0) {
-        const PairTerms terms = pair(p, p2, q, q2);
-        cost +=
-            share * (options_.geodesic * terms.geodesic + options_.orientation * terms.orientation +
-                     (terms.prior_broken ? broken_prior : 0.0));
-      }
+      if (all[a].left == all[b].left || all[a].right == all[b].right) continue;
+      const double cost = pair_cost(around, all[a], all[b]);
       if (cost != 0.0) problem.pairs.push_back({a, b, cost});
     }
     if (static_cast<double>(problem.pairs.size()) > options_.max_pairs) {
@@ -238,8 +262,6 @@ MatchingProblem FeatureEnergy::problem() const {
                            .remedy = "Match fewer features, or raise --max-pairs"});
     }
   }
-  problem.constant = options_.matched * smaller;
-  return problem;
 }
 
 }  // namespace kinemesh

@@ -32,7 +32,18 @@ class FeatureEnergy {
 
  private:
   using Near = std::vector<std::vector<char>>;
+  /// Which features are compared, and which are matched or not alike.
+  struct Neighbourhoods {
+    Near compared_source{}, compared_target{}, coherent_source{}, coherent_target{};
+    double coherence = 0.0;  ///< λ_coh for one pair of neighbours
+    double share = 0.0;      ///< of one pair of matches in the mean over pairs
+  };
   void measure_descriptors();
+  void refuse_too_many(std::size_t assignments) const;
+  void set_costs(const Neighbourhoods& around, std::vector<MatchingAssignment>& assignments) const;
+  double pair_cost(const Neighbourhoods& around, const MatchingAssignment& a,
+                   const MatchingAssignment& b) const;
+  void add_pairs(const Neighbourhoods& around, MatchingProblem& problem) const;
   std::vector<MatchingAssignment> assignments() const;
   Near nearest(const FeaturePlaces& places, int count) const;
   double coherence_weight(const Near& source, const Near& target) const;

@@ -20,6 +20,7 @@
 #include <string>
 
 #include "analysis/anim_dog.h"
+#include "analysis/feature_energy.h"
 #include "analysis/feature_matching.h"
 #include "config/error.h"
 #include "config/parallel.h"
@@ -40,6 +41,7 @@ struct Pair {
 };
 
 struct Score {
+  int taken_back = 0, no_candidate = 0, left = 0;  // of the matchable that were not matched
   int matches = 0, wrong = 0, far_off = 0, matchable = 0, matched = 0, pairs = 0, certified = 0;
   std::vector<double> errors;  // over √area
   double worst = 0.0, slowest = 0.0, slowest_cpu = 0.0;
@@ -94,6 +96,23 @@ FeaturePlaces places_of(const AnimatedMesh& mesh) {
                         {.prior = GeodesicPrior::same_class});
 }
 
+/// Why a feature that has a partner was not matched: taken back, not among the candidates, or left.
+void note_missed(Score& score, const Pair& pair, const FeaturePlaces& b, const FeatureMatching& m,
+                 std::size_t p, const FeatureMatchingOptions& options) {
+  if (std::ranges::any_of(m.rejected, [&](const FeatureMatch& r) { return r.source == p; })) {
+    ++score.taken_back;
+    return;
+  }
+  const MatchingProblem problem = FeatureEnergy(pair.a, b, options).problem();
+  const bool candidate =
+      std::ranges::any_of(problem.assignments, [&](const MatchingAssignment& it) {
+        return it.left == p &&
+               (b.places[it.right].position - pair.truth[p]).norm() <= near * pair.diagonal &&
+               std::abs(b.places[it.right].time - pair.a.places[p].time) <= near_time;
+      });
+  ++(candidate ? score.left : score.no_candidate);
+}
+
 void add(Score& score, const Pair& pair, const FeaturePlaces& b,
          const FeatureMatchingOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
@@ -125,6 +144,7 @@ void add(Score& score, const Pair& pair, const FeaturePlaces& b,
       return (q.position - pair.truth[p]).norm() <= near * pair.diagonal &&
              std::abs(q.time - pair.a.places[p].time) <= near_time;
     });
+    if (matchable && matched[p] == 0) note_missed(score, pair, b, m, p, options);
     score.matchable += matchable ? 1 : 0;
     score.matched += matchable && matched[p] != 0 ? 1 : 0;
   }
@@ -136,10 +156,11 @@ void print(const char* name, Score& s) {
   std::printf(
       "{\"case\": \"%s\", \"pairs\": %d, \"matches\": %d, \"wrong\": %.4f, \"far_off\": %d, "
       "\"worst\": %.4f, \"matchable\": %d, \"matched\": %.4f, \"median_error\": %.4f, "
-      "\"certified\": %d, \"slowest_s\": %.4f, \"slowest_cpu_s\": %.4f}\n",
+      "\"taken_back\": %d, \"no_candidate\": %d, \"left\": %d, \"certified\": %d, \"slowest_s\": "
+      "%.4f, \"slowest_cpu_s\": %.4f}\n",
       name, s.pairs, s.matches, s.wrong / std::max(1.0, double(s.matches)), s.far_off, s.worst,
-      s.matchable, s.matched / std::max(1.0, double(s.matchable)), median, s.certified, s.slowest,
-      s.slowest_cpu);
+      s.matchable, s.matched / std::max(1.0, double(s.matchable)), median, s.taken_back,
+      s.no_candidate, s.left, s.certified, s.slowest, s.slowest_cpu);
   std::fflush(stdout);
 }
 

@@ -1,4 +1,6 @@
 // kinemesh solve-matching: a graph matching problem from a .dd file.
+#include <algorithm>
+#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "analysis/graph_matching/dd_file.h"
@@ -8,6 +10,8 @@
 
 namespace kinemesh::cli {
 namespace {
+
+constexpr double shortest_search_s = 0.001;
 
 struct Arguments {
   std::string problem;
@@ -44,8 +48,13 @@ std::string in_words(const MatchingResult& result) {
 }
 
 ExitCode run_solve(const Arguments& args, Terminal& terminal) {
+  const auto begin = std::chrono::steady_clock::now();
   const MatchingProblem problem = read_dd(args.problem);
-  const MatchingResult result = solve_matching(problem, args.options, terminal.run);
+  // The limit is the whole command's: what reading took is gone.
+  const std::chrono::duration<double> reading = std::chrono::steady_clock::now() - begin;
+  MatchingOptions options = args.options;
+  options.time_limit_s = std::max(shortest_search_s, options.time_limit_s - reading.count());
+  const MatchingResult result = solve_matching(problem, options, terminal.run);
   terminal.print(terminal.json ? as_json(args.problem, result).dump(2) : in_words(result));
   return ExitCode::done;
 }
