@@ -1,5 +1,6 @@
 // What docs/capture.md states about cleaning, measured on the samples and on generated takes with
-// known truth: `cleaning_figures speed|stabilise|labels|swaps|spikes`, one JSON object a line.
+// known truth: `cleaning_figures speed|stabilise|labels|swaps|spikes|strays`, one JSON object a
+// line.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <chrono>
@@ -324,8 +325,8 @@ void report_spikes(const std::string& name, const MarkerSequence& take, const Ma
       "\"there_before_mm\": %.4f, \"there_after_mm\": %.4f}\n",
       name.c_str(), 100.0 * share, spiky.spikes.size(), missed, small, small_missed,
       repaired.spikes.size(), not_among(repaired.spikes, spiky.spikes), repaired.swaps.size(),
-      repaired.jumps.size(), before.all_mm, after.all_mm, clean.all_mm, before.in_spikes_mm,
-      after.in_spikes_mm);
+      repaired.jumps.size() + repaired.strays.size(), before.all_mm, after.all_mm, clean.all_mm,
+      before.in_spikes_mm, after.in_spikes_mm);
 }
 
 /// Every `step`th frame only: the same motion, faster.
@@ -393,6 +394,47 @@ void spikes() {
   }
 }
 
+void report_strays(const std::string& name, const MarkerSequence& take, uint32_t seed) {
+  constexpr std::size_t count = 20;
+  const StrayTake put = with_strays(take, count, seed);
+  const std::vector<Stray> found = repair_take(put.take).strays;
+  const auto same = [](const Stray& a, const Stray& b) {
+    return a.marker == b.marker && a.frames.begin < b.frames.end && b.frames.begin < a.frames.end;
+  };
+  std::size_t right = 0, owned = 0, given = 0, wrong_owner = 0, wrong = 0;
+  for (const Stray& s : put.strays) {
+    const auto hit = std::ranges::find_if(found, [&](const Stray& f) { return same(s, f); });
+    owned += s.owner ? 1 : 0;
+    if (hit == found.end()) continue;
+    ++right;
+    given += s.owner && hit->owner == s.owner ? 1 : 0;
+    wrong_owner += hit->owner && hit->owner != s.owner ? 1 : 0;
+  }
+  for (const Stray& f : found) {
+    wrong += std::ranges::none_of(put.strays, [&](const Stray& s) { return same(s, f); }) ? 1 : 0;
+  }
+  const RepairResult clean = repair_take(with_islands(take, count, seed));
+  std::printf(
+      "{\"take\": \"%s\", \"put\": %zu, \"found\": %zu, \"of_others\": %zu, \"given_right\": %zu, "
+      "\"given_wrong\": %zu, \"false\": %zu, \"false_islands\": %zu, \"false_swaps\": %zu}\n",
+      name.c_str(), put.strays.size(), right, owned, given, wrong_owner, wrong, clean.strays.size(),
+      clean.swaps.size());
+}
+
+/// Stretches between two gaps that hold another marker or a reflection, and as many that are right.
+void strays() {
+  for (const uint32_t seed : {1U, 2U, 3U}) {
+    for (const char* name : {"anna_happy", "anna_surprise", "ben_happy"}) {
+      report_strays(name, make_sample(name).measured, seed);
+    }
+    const auto folder = data_folder() / "c3d_face";
+    if (!std::filesystem::exists(folder)) continue;
+    for (const char* name : {"AnimFace-Jaw", "AnimFace-Eyebrows"}) {
+      report_strays(name, read_session(folder / (std::string(name) + ".c3d")), seed);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace kinemesh::test
 
@@ -403,4 +445,5 @@ int main(int argc, char** argv) {
   if (what == "labels") kinemesh::test::labels();
   if (what == "swaps") kinemesh::test::swaps();
   if (what == "spikes") kinemesh::test::spikes();
+  if (what == "strays") kinemesh::test::strays();
 }

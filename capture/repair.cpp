@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "capture/edit/operation.h"
+#include "capture/edit/timeline.h"
 #include "capture/formats/table_text.h"
 #include "config/text.h"
 
@@ -35,6 +36,15 @@ void apply(const LabelSwap& swap, RepairResult& result) {
       " mm from where their neighbours say, now " + format_fixed(swap.mended_mm, 1) + " mm");
 }
 
+void invalidate(MarkerSequence& take, std::size_t m, const FrameRange& frames) {
+  for (std::size_t f = frames.begin; f < frames.end; ++f) {
+    const std::size_t s = take.sample(f, m);
+    take.flags()[s] = 0;
+    take.residuals()[s] = 0.0F;
+    take.camera_masks()[s] = 0;
+  }
+}
+
 void apply(const Spike& spike, RepairResult& result) {
   MarkerSequence& take = result.take;
   const std::string label = name_in(take, spike.marker);
@@ -42,15 +52,70 @@ void apply(const Spike& spike, RepairResult& result) {
   const std::string to = frame_number(take, spike.frames.end - 1);
   result.edits.steps.push_back(
       make_edit("delete", {{"markers", {label}}, {"from", {from}}, {"to", {to}}}));
-  for (std::size_t f = spike.frames.begin; f < spike.frames.end; ++f) {
-    const std::size_t s = take.sample(f, spike.marker);
-    take.flags()[s] = 0;
-    take.residuals()[s] = 0.0F;
-    take.camera_masks()[s] = 0;
-  }
+  invalidate(take, spike.marker, spike.frames);
   result.done.push_back("took out a spike of " + label + " of " +
                         format_fixed(spike.deviation_mm, 1) + " mm in frame " + from +
                         (from == to ? "" : " to " + to));
+}
+
+/// May the samples be given to their owner: is it measured in none of these frames?
+bool is_free(const MarkerSequence& take, const Stray& stray) {
+  for (std::size_t f = stray.frames.begin; f < stray.frames.end; ++f) {
+    if (take.valid(f, stray.marker) && take.valid(f, *stray.owner)) return false;
+  }
+  return true;
+}
+
+void apply(const Stray& stray, RepairResult& result) {
+  MarkerSequence& take = result.take;
+  const std::string label = name_in(take, stray.marker);
+  const std::string from = frame_number(take, stray.frames.begin);
+  const std::string to = frame_number(take, stray.frames.end - 1);
+  const std::string where = " of " + label + ", frame " + from + (from == to ? "" : " to " + to) +
+                            ", " + format_fixed(stray.off_mm, 1) + " mm from its place";
+  result.strays.push_back(stray);
+  if (stray.owner) {
+    const std::string owner = name_in(take, *stray.owner);
+    result.edits.steps.push_back(make_edit(
+        "move", {{"marker", {label}}, {"into", {owner}}, {"from", {from}}, {"to", {to}}}));
+    for (std::size_t f = stray.frames.begin; f < stray.frames.end; ++f) {
+      if (!take.valid(f, stray.marker)) continue;
+      copy_sample(take, take.sample(f, stray.marker), take, take.sample(f, *stray.owner));
+      invalidate(take, stray.marker, {f, f + 1});
+    }
+    result.done.push_back("gave the stretch" + where + " to " + owner);
+    return;
+  }
+  result.edits.steps.push_back(
+      make_edit("delete", {{"markers", {label}}, {"from", {from}}, {"to", {to}}}));
+  invalidate(take, stray.marker, stray.frames);
+  result.done.push_back("took out the stretch" + where + ", where no marker was missing");
+}
+
+/// Nobody's first, then each to its owner when that one's own strays are gone from there.
+void repair_strays(RepairResult& result, const RunContext& ctx) {
+  std::vector<Stray> left;
+  for (const Stray& stray : find_strays(result.take, ctx)) {
+    if (stray.owner) {
+      left.push_back(stray);
+    } else {
+      apply(stray, result);
+    }
+  }
+  while (!left.empty()) {
+    auto next = std::ranges::find_if(left, [&](const Stray& s) { return is_free(result.take, s); });
+    if (next == left.end()) {  // in each other's way
+      next = left.begin();
+      next->owner.reset();
+    }
+    apply(*next, result);
+    left.erase(next);
+  }
+  std::erase_if(result.jumps, [&](const Jump& jump) {
+    return std::ranges::any_of(result.strays, [&](const Stray& s) {
+      return s.marker == jump.marker && s.frames.begin <= jump.frame && jump.frame <= s.frames.end;
+    });
+  });
 }
 
 /// Where the marker of a spike would be if its path went straight from the sample before to the one
@@ -82,7 +147,7 @@ bool exchanged(const MarkerSequence& take, const Spike& spike, const std::vector
 /// afterwards, when the paths are in order.
 void repair_spikes(RepairResult& result, bool labels_may_be_wrong, const RepairOptions& options,
                    const RunContext& ctx) {
-  const std::vector<Spike> found = find_spikes(result.take, options, ctx);
+  const std::vector<Spike> found = find_spikes(result.take, options, ctx, !labels_may_be_wrong);
   std::vector<Spike> out;
   for (const Spike& spike : found) {
     if (!labels_may_be_wrong || !exchanged(result.take, spike, found)) out.push_back(spike);
@@ -107,7 +172,10 @@ void RepairOptions::declare(ParameterSet& p) {
             .help = "deviations below this many robust standard deviations are no spikes"});
   p.number("spike-length", spike_length_s,
            {.unit = "s", .min = 0.0, .max = 10.0, .help = "longer deviations are no spikes"});
-  p.flag("swaps", swaps, "put labels right that two markers exchanged");
+  p.flag("swaps", swaps, "put labels right that markers exchanged");
+  p.flag("strays", strays,
+         "give stretches between two breaks that lie at another marker's place to it, and take out "
+         "those that lie at nobody's");
 }
 
 RepairResult repair_take(const MarkerSequence& take, const RepairOptions& options,
@@ -120,11 +188,11 @@ RepairResult repair_take(const MarkerSequence& take, const RepairOptions& option
   }
   if (options.swaps) {
     result.swaps =
-        find_label_swaps(result.take, ctx.part(0.3, 0.7, "looking for label swaps"), &result.jumps);
+        find_label_swaps(result.take, ctx.part(0.3, 0.6, "looking for label swaps"), &result.jumps);
     for (const LabelSwap& swap : result.swaps) apply(swap, result);
   }
   if (options.spikes) {
-    repair_spikes(result, false, options, ctx.part(0.7, 1.0, "looking for spikes"));
+    repair_spikes(result, false, options, ctx.part(0.6, 0.9, "looking for spikes"));
     std::erase_if(result.jumps, [&](const Jump& jump) {  // it came back
       return std::ranges::any_of(result.spikes, [&](const Spike& s) {
         return s.marker == jump.marker && s.frames.begin <= jump.frame &&
@@ -132,6 +200,7 @@ RepairResult repair_take(const MarkerSequence& take, const RepairOptions& option
       });
     });
   }
+  if (options.strays) repair_strays(result, ctx.part(0.9, 1.0, "looking for stray stretches"));
   return result;
 }
 

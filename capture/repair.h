@@ -21,6 +21,7 @@ struct RepairOptions {
   double spike_ratio = 5.0;  ///< deviations below this many robust standard deviations are none
   double spike_length_s = 0.035;  ///< longer ones are no spikes
   bool swaps = true;
+  bool strays = true;  ///< give stretches that are another marker's to it, take out nobody's
 
   void declare(ParameterSet& p);
   void validate() const { validate_options(*this); }
@@ -33,7 +34,9 @@ struct Spike {
   double deviation_mm = 0.0;  ///< the largest distance from the path
 };
 
-/// Two markers exchanged their labels.
+/// Two markers exchanged their labels. Where those of three or more went round (the first at the
+/// place of the second, …, the last at that of the first), there is one for each marker but the
+/// first, one behind the other: together they undo it.
 struct LabelSwap {
   std::size_t a = 0, b = 0;  ///< indices into markers()
   std::size_t from = 0;      ///< 0-based: first frame with the wrong labels
@@ -42,6 +45,7 @@ struct LabelSwap {
   std::optional<std::size_t> until;
   double error_mm = 0.0;   ///< mean distance from where the labels should be, as recorded
   double mended_mm = 0.0;  ///< the same after the exchange
+  std::size_t of = 2;      ///< labels that went round
 };
 
 /// A marker goes elsewhere within one frame and stays there, and no other one took its place: its
@@ -52,10 +56,21 @@ struct Jump {
   double size_mm = 0.0;    ///< off from where its neighbours say
 };
 
+/// A stretch of a trajectory that is not its marker's: it begins and ends with a gap or a jump, and
+/// lies elsewhere than the neighbours say, before and behind.
+struct Stray {
+  std::size_t marker = 0;  ///< index into markers()
+  FrameRange frames;
+  double off_mm = 0.0;  ///< the largest distance from the marker's place
+  std::optional<std::size_t>
+      owner;  ///< whose place it is, not seen in these frames; none: nobody's
+};
+
 struct RepairResult {
   MarkerSequence take;  ///< spikes invalid, labels right
   std::vector<Spike> spikes;
   std::vector<LabelSwap> swaps;
+  std::vector<Stray> strays;
   std::vector<Jump> jumps;        ///< left as they are
   EditList edits;                 ///< the same as steps, in the order applied
   std::vector<std::string> done;  ///< one sentence each, with frame numbers as in the file
@@ -71,14 +86,19 @@ struct RepairResult {
 /// other's place, and again behind.
 /// Swaps: a marker jumps, or comes back from a gap, farther from where its neighbours say it should
 /// be than 0.35 × the distance to the nearest marker and 3 × what is usual for it from one frame to
-/// the next, to where another one should be, and that other one likewise to its place.
-/// When that happens once, in the first frames of the take, these have the wrong labels.
+/// the next, to where another one should be, and that other one likewise to its place, or on to a
+/// third one's, and so on round.
+/// Strays: see there; up to 1.5 s, off by more than makes a jump and twice what 95 % of the take's
+/// stretches of that length keep of where the neighbours' rigid motion leads, three times when they
+/// are nobody's. Given to the marker that was not seen and should be there, or taken out.
+/// When an exchange happens once, in the first frames of the take, these have the wrong labels.
 /// Markers of the body alone are looked at; filled samples are not.
 RepairResult repair_take(const MarkerSequence& take, const RepairOptions& options = {},
                          const RunContext& ctx = {});
 
 std::vector<Spike> find_spikes(const MarkerSequence& take, const RepairOptions& options = {},
-                               const RunContext& ctx = {});
+                               const RunContext& ctx = {}, bool at_ends = true);
+std::vector<Stray> find_strays(const MarkerSequence& take, const RunContext& ctx = {});
 /// `jumps`: those that no swap explains are added there.
 std::vector<LabelSwap> find_label_swaps(const MarkerSequence& take, const RunContext& ctx = {},
                                         std::vector<Jump>* jumps = nullptr);

@@ -23,7 +23,28 @@ Eigen::Vector3d median_of(std::vector<Eigen::Vector3d>& all) {
   return out;
 }
 
+/// Median over the take of how far a marker's step from one frame to the next is from that of its
+/// neighbours.
+double usual_deviation(const LocalMotion& motion, std::size_t m) {
+  constexpr std::size_t most_samples = 100;
+  const std::size_t stride = std::max<std::size_t>(1, motion.frames() / most_samples);
+  std::vector<double> deviations;
+  for (std::size_t f = 1; f < motion.frames(); f += stride) {
+    if (!motion.has(f, m) || !motion.has(f - 1, m)) continue;
+    const auto common = motion.displacement(m, f - 1, f);
+    if (common) deviations.push_back((motion.at(f, m) - motion.at(f - 1, m) - *common).norm());
+  }
+  return deviations.empty() ? 0.0 : repair::median_of(deviations);
+}
+
 }  // namespace
+
+double least_jump(const LocalMotion& motion, std::size_t m) {
+  constexpr double share = 0.35;
+  constexpr double least_mm = 1.5;
+  constexpr double of_usual = 3.0;
+  return std::max({least_mm, share * motion.spacing(m), of_usual * usual_deviation(motion, m)});
+}
 
 bool measured(const MarkerSequence& take, std::size_t f, std::size_t m) {
   return take.valid(f, m) && !take.filled(f, m) && take.position(f, m).allFinite();
@@ -104,13 +125,12 @@ void LocalMotion::swap(std::size_t a, std::size_t b, std::size_t from) {
 }
 
 std::optional<Eigen::Vector3d> LocalMotion::displacement(std::size_t m, std::size_t from,
-                                                         std::size_t to,
-                                                         std::size_t without) const {
+                                                         std::size_t to) const {
   std::array<std::array<double, asked>, 3> moved{};
   std::size_t count = 0;
   for (const std::size_t n : neighbours_[m]) {
     if (count == asked) break;
-    if (n == without || !has(from, n) || !has(to, n)) continue;
+    if (!has(from, n) || !has(to, n)) continue;
     const Eigen::Vector3d d = at(to, n) - at(from, n);
     for (std::size_t c = 0; c < 3; ++c) moved[c][count] = d[static_cast<Eigen::Index>(c)];
     ++count;
@@ -126,11 +146,12 @@ std::optional<Eigen::Vector3d> LocalMotion::displacement(std::size_t m, std::siz
 }
 
 Eigen::Vector3d LocalMotion::carried(std::size_t m, const Eigen::Vector3d& position,
-                                     std::size_t from, std::size_t to, std::size_t without) const {
+                                     std::size_t from, std::size_t to,
+                                     std::span<const std::size_t> without) const {
   std::vector<Eigen::Vector3d> before, after;
   for (const std::size_t n : neighbours_[m]) {
     if (before.size() == asked) break;
-    if (n == without || !has(from, n) || !has(to, n)) continue;
+    if (!has(from, n) || !has(to, n) || std::ranges::find(without, n) != without.end()) continue;
     before.push_back(at(from, n));
     after.push_back(at(to, n));
   }

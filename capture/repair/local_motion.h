@@ -37,12 +37,12 @@ class LocalMotion {
   /// Where what was at `position` beside marker m in frame `from` is in frame `to`: carried by the
   /// rigid motion of the neighbours seen in both (the worst two of them set aside), by their median
   /// displacement when they are fewer than four, or not at all when there is none. `without`:
-  /// another marker not to be asked.
+  /// other markers not to be asked.
   Eigen::Vector3d carried(std::size_t m, const Eigen::Vector3d& position, std::size_t from,
-                          std::size_t to, std::size_t without = MarkerSequence::npos) const;
+                          std::size_t to, std::span<const std::size_t> without = {}) const;
   /// Median displacement of the neighbours seen in both frames; nothing when there is none.
-  std::optional<Eigen::Vector3d> displacement(std::size_t m, std::size_t from, std::size_t to,
-                                              std::size_t without = MarkerSequence::npos) const;
+  std::optional<Eigen::Vector3d> displacement(std::size_t m, std::size_t from,
+                                              std::size_t to) const;
 
  private:
   std::size_t frames_ = 0, markers_ = 0;
@@ -51,6 +51,12 @@ class LocalMotion {
   std::vector<std::vector<std::size_t>> neighbours_;
   std::vector<double> spacing_;
 };
+
+/// What is more than noise and motion make from frame to frame, and leads towards another marker:
+/// 1.5 mm, 0.35 × the distance to the nearest marker, 3 × the median of how far the marker's step
+/// from one frame to the next is from that of its neighbours (a normal deviation in space exceeds
+/// that once in 10,000 frames). Where noise is as large as that distance, nothing can be said.
+double least_jump(const LocalMotion& motion, std::size_t m);
 
 /// The point of the take may be used: measured, not filled, finite.
 bool measured(const MarkerSequence& take, std::size_t frame, std::size_t marker);

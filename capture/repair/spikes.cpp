@@ -129,7 +129,8 @@ bool goes_on(const Path& path, const Knots& at, double most) {
     sides += 1.0;
   }
   pace *= static_cast<double>(at.after[0] - at.before[0]) / sides;
-  return (path[at.after[0]] - path[at.before[0]] - pace).norm() < most;
+  constexpr double near = 0.7;
+  return (path[at.after[0]] - path[at.before[0]] - pace).norm() < near * most;
 }
 
 /// One marker, its neighbours, and the least deviation of a spike.
@@ -361,7 +362,7 @@ std::vector<Spike> spikes_of(Path& path, const LocalMotion& motion, std::size_t 
 }  // namespace
 
 std::vector<Spike> find_spikes(const MarkerSequence& take, const RepairOptions& options,
-                               const RunContext& ctx) {
+                               const RunContext& ctx, bool at_ends) {
   std::vector<std::size_t> columns;
   for (std::size_t m = 0; m < take.marker_count(); ++m) {
     if (take.markers()[m].kind == MarkerKind::marker) columns.push_back(m);
@@ -372,7 +373,9 @@ std::vector<Spike> find_spikes(const MarkerSequence& take, const RepairOptions& 
     Path path = path_of(take, columns[k]);
     const std::vector<uint8_t> seen = path.seen;
     found[k] = spikes_of(path, motion, k, take.rate_hz, options);
-    add_end_spikes(path, seen, motion, k, longest_spike(take.rate_hz, options), options, found[k]);
+    if (at_ends)
+      add_end_spikes(path, seen, motion, k, longest_spike(take.rate_hz, options), options,
+                     found[k]);
     std::ranges::sort(found[k], {}, [](const Spike& s) { return s.frames.begin; });
     for (Spike& spike : found[k]) spike.marker = columns[k];
   });

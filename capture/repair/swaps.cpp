@@ -1,6 +1,7 @@
 // find_label_swaps() of repair.h.
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "capture/repair.h"
 #include "capture/repair/local_motion.h"
@@ -16,7 +17,8 @@ class SwapFinder {
   SwapFinder(LocalMotion motion, double rate_hz)
       : motion_(std::move(motion)), last_seen_(motion_.markers(), none) {
     wait_ = std::max<std::size_t>(10, static_cast<std::size_t>(std::lround(1.5 * rate_hz)));
-    for (std::size_t m = 0; m < motion_.markers(); ++m) least_jump_.push_back(jump_of_note(m));
+    for (std::size_t m = 0; m < motion_.markers(); ++m)
+      least_jump_.push_back(repair::least_jump(motion_, m));
   }
 
   std::vector<LabelSwap> run(const RunContext& ctx) {
@@ -25,12 +27,15 @@ class SwapFinder {
       if (f % 256 == 0) ctx.check_cancelled();
       for (std::size_t a = 0; a < motion_.markers(); ++a) {
         if (!motion_.has(f, a) || last_seen_[a] == none || !jumped(a, f)) continue;
+        std::vector<LabelSwap> swaps;
         if (const auto swap = explain(a, f)) {
-          motion_.swap(swap->a, swap->b, f);
-          found.push_back(*swap);
-        } else if (stays_away(a, f)) {
-          jumps_.push_back({a, f, away(a, a, f, none)});
+          swaps.push_back(*swap);
+        } else {
+          swaps = explain_round(a, f);
         }
+        for (const LabelSwap& swap : swaps) motion_.swap(swap.a, swap.b, f);
+        found.insert(found.end(), swaps.begin(), swaps.end());
+        if (swaps.empty() && stays_away(a, f)) jumps_.push_back({a, f, away(a, a, f)});
       }
       for (std::size_t m = 0; m < motion_.markers(); ++m) {
         if (motion_.has(f, m)) last_seen_[m] = f;
@@ -48,7 +53,7 @@ class SwapFinder {
     constexpr std::size_t while_frames = 5;
     const std::size_t g = last_seen_[a];
     if (g + 1 != f || g < 2 || f + while_frames >= motion_.frames()) return false;
-    const double size = away(a, a, f, none);
+    const double size = away(a, a, f);
     for (const std::size_t k : {g - 1, g, f + 1, f + 2}) {
       if (!motion_.has(k, a) || !motion_.has(k - 1, a)) return false;
       const Eigen::Vector3d common =
@@ -57,7 +62,7 @@ class SwapFinder {
       if (alone * (step - common).norm() > size) return false;
     }
     for (std::size_t k = f + 1; k <= f + while_frames; ++k) {
-      if (motion_.has(k, a) && away(a, a, k, none) < 0.5 * size) return false;
+      if (motion_.has(k, a) && away(a, a, k) < 0.5 * size) return false;
     }
     return true;
   }
@@ -72,41 +77,24 @@ class SwapFinder {
       const auto common = motion_.displacement(a, g, f);
       if (!common || (step - *common).norm() < limit) return false;
     }
-    return away(a, a, f, none) > limit;
+    return away(a, a, f) > limit;
   }
 
   double least_jump(std::size_t a) const { return least_jump_[a]; }
 
-  /// A jump is more than noise and motion make from frame to frame, and leads towards another
-  /// marker. Where noise is as large as the distance to that one, nothing can be said.
-  double jump_of_note(std::size_t a) const {
-    constexpr double share = 0.35;
-    constexpr double least_mm = 1.5;
-    constexpr double of_usual =
-        3.0;  // a normal deviation in space exceeds it once in 10,000 frames
-    return std::max({least_mm, share * motion_.spacing(a), of_usual * usual_deviation(a)});
-  }
-
-  /// Median over the take of how far a marker's step from one frame to the next is from that of its
-  /// neighbours.
-  double usual_deviation(std::size_t a) const {
-    constexpr std::size_t most_samples = 100;
-    const std::size_t stride = std::max<std::size_t>(1, motion_.frames() / most_samples);
-    std::vector<double> deviations;
-    for (std::size_t f = 1; f < motion_.frames(); f += stride) {
-      if (!motion_.has(f, a) || !motion_.has(f - 1, a)) continue;
-      const auto common = motion_.displacement(a, f - 1, f);
-      if (common) deviations.push_back((motion_.at(f, a) - motion_.at(f - 1, a) - *common).norm());
-    }
-    return deviations.empty() ? 0.0 : repair::median_of(deviations);
-  }
-
-  /// How far marker `who` in frame f is from where `whose` should be by its last sight before
-  /// `since_`. `other` is not asked.
-  double away(std::size_t who, std::size_t whose, std::size_t f, std::size_t other) const {
+  /// How far marker `who` in frame f is from where `whose` should be by its last sight before the
+  /// frame looked at. `others` are not asked.
+  double away(std::size_t who, std::size_t whose, std::size_t f,
+              std::span<const std::size_t> others) const {
     const std::size_t g = last_seen_[whose];
-    const Eigen::Vector3d there = motion_.carried(whose, motion_.at(g, whose), g, f, other);
+    const Eigen::Vector3d there = motion_.carried(whose, motion_.at(g, whose), g, f, others);
     return (motion_.at(f, who) - there).norm();
+  }
+  double away(std::size_t who, std::size_t whose, std::size_t f) const {
+    return away(who, whose, f, {});
+  }
+  double away(std::size_t who, std::size_t whose, std::size_t f, std::size_t other) const {
+    return away(who, whose, f, std::span(&other, 1));
   }
 
   /// The next frame from f on in which marker b is seen, within a while.
@@ -145,11 +133,17 @@ class SwapFinder {
     const double own = away(a, a, f, b);
     const double other = away(a, b, f, a);
     if (own < least_jump(a) || other > ratio * own) return std::nullopt;
-    const std::size_t g = next_sight(b, f);
-    if (g == none) return std::nullopt;
-    const double own_b = away(b, b, g, a);
-    const double other_b = away(b, a, g, b);
-    if (own_b < least_jump(b) || other_b > ratio * own_b) return std::nullopt;
+    // Its first sight may be spoilt by a spike.
+    constexpr std::size_t looks = 4;
+    std::size_t g = next_sight(b, f);
+    double own_b = 0.0, other_b = 0.0;
+    for (std::size_t look = 0; look < looks && g != none; ++look, g = next_sight(b, g + 1)) {
+      own_b = away(b, b, g, a);
+      other_b = away(b, a, g, b);
+      if (own_b < least_jump(b)) return std::nullopt;
+      if (other_b <= ratio * own_b) break;
+    }
+    if (g == none || other_b > ratio * own_b) return std::nullopt;
     if (!lasts(a, b, std::max(f, g))) return std::nullopt;
     return LabelSwap{.a = a,
                      .b = b,
@@ -174,6 +168,87 @@ class SwapFinder {
     return true;
   }
 
+  // ---- three or more labels that go round
+  // --------------------------------------------------------
+
+  /// All markers that jump in frame f, `a` among them.
+  std::vector<std::size_t> jumping(std::size_t a, std::size_t f) const {
+    std::vector<std::size_t> all;
+    for (std::size_t m = 0; m < motion_.markers(); ++m) {
+      if (m == a || (motion_.has(f, m) && last_seen_[m] != none && jumped(m, f))) all.push_back(m);
+    }
+    return all;
+  }
+
+  /// Whose place does marker `who` take in frame f, much closer than its own?
+  std::size_t taken_by(std::size_t who, std::size_t f, std::span<const std::size_t> others) const {
+    constexpr double ratio = 0.4;
+    const double own = away(who, who, f, others);
+    if (own < least_jump(who)) return none;
+    std::size_t best = none;
+    double least = ratio * own;
+    for (std::size_t b = 0; b < motion_.markers(); ++b) {
+      if (b == who || last_seen_[b] == none || !may_be_at(b, motion_.at(f, who), who, f)) continue;
+      const double off = away(who, b, f, others);
+      if (off >= least) continue;
+      least = off;
+      best = b;
+    }
+    return best;
+  }
+
+  /// From marker to marker: each is at the place of the next, the last at that of the first. As
+  /// exchanges of two, which undo it one after the other; empty when the round does not close.
+  std::vector<LabelSwap> explain_round(std::size_t a, std::size_t f) const {
+    constexpr std::size_t longest = 8;
+    std::vector<std::size_t> others = jumping(a, f);
+    std::vector<std::size_t> round{a};
+    std::vector<std::size_t> frames{f};
+    while (true) {
+      const std::size_t next = taken_by(round.back(), frames.back(), others);
+      if (next == a && round.size() > 2) break;
+      if (next == none || round.size() == longest || std::ranges::find(round, next) != round.end())
+        return {};
+      const std::size_t g = next_sight(next, f);
+      if (g == none) return {};
+      round.push_back(next);
+      frames.push_back(g);
+      if (std::ranges::find(others, next) == others.end()) others.push_back(next);
+    }
+    if (!round_lasts(round, others, *std::ranges::max_element(frames))) return {};
+    LabelSwap swap{.a = a, .from = f, .of = round.size()};
+    for (std::size_t i = 0; i < round.size(); ++i) {
+      const std::size_t place = round[(i + 1) % round.size()];
+      swap.error_mm += away(round[i], round[i], frames[i], others) / static_cast<double>(swap.of);
+      swap.mended_mm += away(round[i], place, frames[i], others) / static_cast<double>(swap.of);
+    }
+    std::vector<LabelSwap> out;
+    for (std::size_t i = 1; i < round.size(); ++i) {
+      swap.b = round[i];
+      out.push_back(swap);
+    }
+    return out;
+  }
+
+  /// A moment later they are all still at the place of the next, or all back at their own.
+  bool round_lasts(const std::vector<std::size_t>& round, const std::vector<std::size_t>& others,
+                   std::size_t f) const {
+    constexpr std::size_t while_frames = 4;
+    bool back = false;
+    for (std::size_t k = f + 1; k < motion_.frames() && k <= f + while_frames; ++k) {
+      std::size_t seen = 0, elsewhere = 0;
+      for (std::size_t i = 0; i < round.size(); ++i) {
+        if (!motion_.has(k, round[i])) continue;
+        const std::size_t next = round[(i + 1) % round.size()];
+        ++seen;
+        elsewhere += away(round[i], next, k, others) < away(round[i], round[i], k, others) ? 1 : 0;
+      }
+      if ((elsewhere != 0 && elsewhere != seen) || (back && elsewhere != 0)) return false;
+      back = seen != 0 && elsewhere == 0;
+    }
+    return true;
+  }
+
   LocalMotion motion_;
   std::vector<std::size_t> last_seen_;  ///< before the frame looked at
   std::vector<double> least_jump_;      ///< by marker, mm
@@ -185,13 +260,22 @@ class SwapFinder {
 /// the take.
 void mend_beginnings(std::vector<LabelSwap>& swaps) {
   constexpr std::size_t first_frames = 10;
-  for (LabelSwap& swap : swaps) {
-    const auto alike = std::ranges::count_if(swaps, [&swap](const LabelSwap& other) {
-      return std::minmax(other.a, other.b) == std::minmax(swap.a, swap.b);
-    });
-    if (alike > 1 || swap.from > first_frames) continue;
-    swap.until = swap.from;
-    swap.from = 0;
+  for (auto begin = swaps.begin(); begin != swaps.end();) {
+    const auto end = begin + static_cast<std::ptrdiff_t>(begin->of - 1);
+    const auto concerned = [&](std::size_t m) {
+      return std::any_of(begin, end, [&](const LabelSwap& s) { return s.a == m || s.b == m; });
+    };
+    const auto again = [&](const LabelSwap& s) { return concerned(s.a) || concerned(s.b); };
+    const bool once =
+        std::none_of(swaps.begin(), begin, again) && std::none_of(end, swaps.end(), again);
+    if (once && begin->from <= first_frames) {
+      std::reverse(begin, end);  // the other way round, to do there what was undone behind
+      for (auto swap = begin; swap != end; ++swap) {
+        swap->until = swap->from;
+        swap->from = 0;
+      }
+    }
+    begin = end;
   }
 }
 

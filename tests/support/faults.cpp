@@ -64,4 +64,98 @@ void rotate_labels(MarkerSequence& take, const std::vector<std::size_t>& markers
   }
 }
 
+namespace {
+
+/// The nearest of the others in a frame in which all are seen, one of the first six.
+std::size_t near_marker(const MarkerSequence& take, std::size_t m, std::size_t f, uint32_t which) {
+  std::vector<std::pair<float, std::size_t>> others;
+  for (std::size_t k = 0; k < take.marker_count(); ++k) {
+    if (k == m || !take.valid(f, k) || take.markers()[k].kind != MarkerKind::marker) continue;
+    others.emplace_back((take.position(f, k) - take.position(f, m)).norm(), k);
+  }
+  std::ranges::sort(others);
+  return others.at(which % 6).second;
+}
+
+struct Island {
+  std::size_t marker;
+  FrameRange frames;
+  std::size_t before, behind;  ///< frames of the gaps
+};
+
+std::vector<Island> islands(const MarkerSequence& take, std::size_t count, std::mt19937& random) {
+  std::vector<Island> out;
+  std::vector<uint8_t> used(take.marker_count(), 0);
+  for (int tries = 0; out.size() < count && tries < 100'000; ++tries) {
+    const std::size_t m = random() % take.marker_count();
+    const std::size_t length = 5 + random() % 26;
+    const std::size_t before = 3 + random() % 18;
+    const std::size_t behind = 3 + random() % 18;
+    const std::size_t all = before + length + behind + 40;
+    const std::size_t f = 20 + before + random() % (take.frame_count() - all);
+    bool seen = used[m] == 0 && take.markers()[m].kind == MarkerKind::marker;
+    for (std::size_t k = f - before - 5; k < f + length + behind + 5; ++k) {
+      seen = seen && take.valid(k, m);
+    }
+    if (!seen) continue;
+    used[m] = 1;
+    out.push_back({m, {f, f + length}, before, behind});
+  }
+  return out;
+}
+
+void lose(MarkerSequence& take, std::size_t m, std::size_t begin, std::size_t end) {
+  for (std::size_t f = begin; f < end; ++f) take.flags()[take.sample(f, m)] = 0;
+}
+
+void surround(MarkerSequence& take, const Island& island) {
+  lose(take, island.marker, island.frames.begin - island.before, island.frames.begin);
+  lose(take, island.marker, island.frames.end, island.frames.end + island.behind);
+}
+
+}  // namespace
+
+StrayTake with_strays(MarkerSequence take, std::size_t count, uint32_t seed) {
+  StrayTake out;
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> uniform;
+  std::normal_distribution<float> normal;
+  const MarkerSequence truth = take;
+  std::vector<uint8_t> used(take.marker_count(), 0);
+  for (const Island& island : islands(take, count, random)) {
+    const auto [begin, end] = island.frames;
+    const std::size_t owner = near_marker(truth, island.marker, begin, random());
+    bool seen = used[owner] == 0 && used[island.marker] == 0;
+    for (std::size_t f = begin; f < end; ++f) seen = seen && truth.valid(f, owner);
+    if (!seen) continue;
+    used[owner] = used[island.marker] = 1;
+    surround(take, island);
+    Stray stray{island.marker, island.frames, 0.0, {}};
+    if (out.strays.size() % 2 == 0) {
+      stray.owner = owner;
+      lose(take, owner, begin - std::min(begin, random() % 5),
+           std::min(end + random() % 5, take.frame_count()));
+    }
+    const Eigen::Vector3f way =
+        Eigen::Vector3f(normal(random), normal(random), normal(random)).normalized() *
+        (12.0F + 48.0F * uniform(random));
+    for (std::size_t f = begin; f < end; ++f) {
+      if (stray.owner) {
+        take.position(f, island.marker) = truth.position(f, owner);
+      } else {
+        take.position(f, island.marker) += way;
+      }
+    }
+    out.strays.push_back(stray);
+  }
+  out.take = std::move(take);
+  return out;
+}
+
+MarkerSequence with_islands(MarkerSequence take, std::size_t count, uint32_t seed) {
+  std::mt19937 random(seed);
+  for (const Island& island : islands(take, count, random)) surround(take, island);
+  return take;
+}
+
 }  // namespace kinemesh::test

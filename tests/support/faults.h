@@ -26,4 +26,16 @@ std::size_t not_among(const std::vector<Spike>& found, const std::vector<Spike>&
 void rotate_labels(MarkerSequence& take, const std::vector<std::size_t>& markers, std::size_t from,
                    std::size_t until);
 
+struct StrayTake {
+  MarkerSequence take;
+  std::vector<Stray> strays;  ///< with the owner where it is one
+};
+
+/// Stretches of 5 to 30 frames, each with gaps of 3 to 20 frames on either side, hold something
+/// else: the samples of another marker, lost then, one of the six nearest (even ones), or a
+/// reflection 12 to 60 mm beside the marker (odd ones). One a marker.
+StrayTake with_strays(MarkerSequence take, std::size_t count, uint32_t seed);
+/// The same gaps around stretches that are right.
+MarkerSequence with_islands(MarkerSequence take, std::size_t count, uint32_t seed);
+
 }  // namespace kinemesh::test
