@@ -452,9 +452,12 @@ MeshData decode_gltf(std::span<const std::byte> bytes, const std::string& name,
     const Chunks chunks = chunks_of(bytes, name);
     Document document;
     document.name = name;
+    const std::size_t begin = chunks.json.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+    if (begin == std::string_view::npos || chunks.json[begin] != '{') {
+      document.fail("byte 0", "this is neither a GLB file nor the JSON of a glTF file");
+    }
     refuse_deep_json(chunks.json, name);
     document.json = Json::parse(chunks.json);
-    if (!document.json.is_object()) document.fail("JSON", "it is no object");
     std::vector<std::string> owned;
     load_buffers(document, chunks.binary, load, owned);
     std::size_t total = bytes.size();

@@ -22,6 +22,8 @@ constexpr int component_u8 = 5121, component_u16 = 5123, component_u32 = 5125, c
 constexpr int array_buffer = 34962, element_array_buffer = 34963;
 /// Played at this rate when the mesh does not say its own.
 constexpr double assumed_rate_hz = 30.0;
+/// Viewers keep morph targets in the layers of a texture array; WebGL 2 promises so many.
+constexpr std::size_t targets_of_all_viewers = 256;
 
 /// Colours of the viridis map (Smith & van der Walt 2015) at equal steps, sRGB.
 constexpr std::array<std::array<double, 3>, 5> viridis{{{0.267, 0.005, 0.329},
@@ -52,6 +54,11 @@ class GltfWriter {
                                  count_of(animation_.keys.size(), "key") + ": largest error " +
                                  format_fixed(animation_.max_error_mm, 4) + " mm, RMS " +
                                  format_fixed(animation_.rms_error_mm, 4) + " mm");
+      if (animation_.target_count > targets_of_all_viewers) {
+        out.report.notes.push_back(
+            "not every viewer holds more than " + std::to_string(targets_of_all_viewers) +
+            " morph targets; a smaller --budget or a larger --max-error gives fewer");
+      }
       if (!(mesh_.rate_hz > 0)) {
         out.report.notes.emplace_back(
             "the frame rate is not known: played at 30 frames per second");

@@ -281,6 +281,17 @@ TEST(Gltf, MoreBudgetMeansLessErrorUntilItIsNegligible) {
   }
 }
 
+TEST(Gltf, MoreMorphTargetsThanEveryViewerHoldsAreSaid) {
+  const auto said = [](std::size_t frames) {
+    const Written w = round_trip(test::random_animation(12, 12, frames), {});
+    return std::ranges::any_of(w.report.notes, [](const std::string& note) {
+      return note.find("not every viewer holds") != std::string::npos;
+    });
+  };
+  EXPECT_FALSE(said(200));
+  EXPECT_TRUE(said(300));  // no two frames are alike: a target for each but one
+}
+
 TEST(Gltf, TwoFilesAndDataUrisAreRead) {
   const AnimatedMesh mesh = test::smooth_animation(6, 6, 20, 60.0);
   const TemporaryFolder folder;
