@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "capture/edit/operation.h"
 #include "capture/fill/gaussian_process.h"
 #include "capture/repair/local_motion.h"
 #include "capture/rigid_markers.h"
@@ -84,7 +85,7 @@ void look_at_frames(const MarkerSequence& take, const std::vector<std::size_t>& 
                     QualityResult& result) {
   std::size_t seen_samples = 0;
   std::size_t blind = 0, longest = 0, repeated = 0;
-  std::vector<std::size_t> empty;
+  std::vector<std::size_t> seen_in;
   for (std::size_t f = 0; f < take.frame_count(); ++f) {
     std::size_t seen = 0;
     for (const std::size_t m : columns) seen += repair::measured(take, f, m) ? 1 : 0;
@@ -92,14 +93,19 @@ void look_at_frames(const MarkerSequence& take, const std::vector<std::size_t>& 
     result.visible_over_time.push_back(percent(seen, columns.size()));
     blind = 2 * seen < columns.size() ? blind + 1 : 0;
     longest = std::max(longest, blind);
-    if (seen == 0) empty.push_back(f);
+    if (seen > 0) seen_in.push_back(f);
     if (f > 0 && seen > 0 && repeats(take, columns, f)) ++repeated;
   }
   result.visible_percent = percent(seen_samples, take.frame_count() * columns.size());
   if (take.rate_hz > 0.0) result.longest_blind_s = static_cast<double>(longest) / take.rate_hz;
-  // A head that rests without any noise is no dropped frame: generated takes have such stretches.
-  if (2 * repeated > take.frame_count()) repeated = 0;
-  result.dropped_frames = empty.size() + repeated;
+  // A head that rests without any noise is no repeated frame: generated takes have such stretches.
+  result.repeated_frames = 2 * repeated > take.frame_count() ? 0 : repeated;
+  // Longer without a marker, or at the take's ends: the subject was out of view.
+  constexpr std::size_t most_at_once = 10;
+  for (std::size_t i = 1; i < seen_in.size(); ++i) {
+    const std::size_t empty = seen_in[i] - seen_in[i - 1] - 1;
+    if (empty <= most_at_once) result.dropped_frames += empty;
+  }
 }
 
 void look_at_head(const MarkerSequence& take, const std::vector<std::size_t>& columns,
@@ -200,30 +206,65 @@ class Judge {
     say(r_.noise_mm > o_.most_noise_mm, "noise of " + format_fixed(r_.noise_mm, 2) + " mm");
     say(r_.residual_mm > o_.most_residual_mm,
         "the cameras' residual is " + format_fixed(r_.residual_mm, 2) + " mm: calibrate them");
-    say(percent(r_.dropped_frames, r_.frames) > o_.most_dropped_percent,
-        count_of(r_.dropped_frames, "frame") + " dropped");
+    say(percent(r_.dropped_frames + r_.repeated_frames, r_.frames) > o_.most_dropped_percent,
+        dropped());
     say(static_cast<double>(r_.swaps.size()) / minutes > o_.most_swaps_per_minute &&
             r_.swaps.size() > 3,
         count_of(r_.swaps.size(), "label swap"));
     std::size_t spiky = 0;
     for (const Spike& s : r_.spikes) spiky += s.frames.size();
     say(percent(spiky, samples) > o_.most_spikes_percent,
-        "spikes in " + share(percent(spiky, samples)) + " of the samples");
+        "spikes in " + share(percent(spiky, samples)) + " of the samples" + spike_sizes());
+    say(r_.head.turn_degrees > o_.most_turn_degrees, "the head turns by up to " +
+                                                         format_fixed(r_.head.turn_degrees, 0) +
+                                                         "°, away from the cameras");
+    say(r_.head.speed_mm_s > o_.most_head_speed_mm_s,
+        "the head moves at up to " + format_fixed(r_.head.speed_mm_s, 0) + " mm/s");
   }
 
   void mendable() {
     say(!r_.swaps.empty(), count_of(r_.swaps.size(), "label swap"));
     say(!r_.jumps.empty(),
         count_of(r_.jumps.size(), "jump") + " to another place, to be mended by hand");
-    say(!r_.spikes.empty(), count_of(r_.spikes.size(), "spike"));
-    say(r_.twins > 0, count_of(r_.twins, "label") + " used twice");
+    say(!r_.strays.empty(),
+        count_of(r_.strays.size(), "stretch", "stretches") + " at another place");
+    say(!r_.spikes.empty(), count_of(r_.spikes.size(), "spike") + spike_sizes());
+    say(r_.twins > 0, count_of(r_.twins, "label") + " used twice, " + r_.twins_done);
     say(r_.lost_markers > 0, count_of(r_.lost_markers, "marker") + " hardly seen" + lost_names());
     say(r_.visible_percent < 100.0,
         "gaps in " + share(std::max(0.1, 100.0 - r_.visible_percent)) + " of the samples");
     say(r_.loose_points > 0, count_of(r_.loose_points, "point") + " without a label");
-    say(r_.dropped_frames > 0, count_of(r_.dropped_frames, "frame") + " dropped");
+    say(r_.dropped_frames + r_.repeated_frames > 0, dropped());
     say(r_.noise_mm > o_.clean_noise_mm,
         "noise of " + format_fixed(r_.noise_mm, 2) + " mm, to be smoothed");
+    say(r_.residual_mm > 0.5 * o_.most_residual_mm, "the cameras' residual is " +
+                                                        format_fixed(r_.residual_mm, 2) +
+                                                        " mm: calibrate them before the next take");
+    say(r_.head.turn_degrees > o_.clean_turn_degrees || r_.head.way_mm > o_.clean_way_mm,
+        "the head turns by up to " + format_fixed(r_.head.turn_degrees, 0) + "° and moves by " +
+            format_fixed(r_.head.way_mm, 0) + " mm, to be taken out");
+  }
+
+  std::string dropped() const {
+    std::vector<std::string> parts;
+    if (r_.dropped_frames > 0) {
+      parts.push_back(count_of(r_.dropped_frames, "frame") + " dropped");
+    }
+    if (r_.repeated_frames > 0) {
+      parts.push_back(count_of(r_.repeated_frames, "frame") + " that repeat" +
+                      (r_.repeated_frames == 1 ? "s" : "") + " the one before");
+    }
+    return join(parts, " and ");
+  }
+
+  /// How large they are; what no head does is said.
+  std::string spike_sizes() const {
+    constexpr double absurd_mm = 1000.0;
+    double most = 0.0;
+    for (const Spike& s : r_.spikes) most = std::max(most, s.deviation_mm);
+    if (most < absurd_mm) return " of up to " + format_fixed(most, 1) + " mm";
+    return " of up to " + format_fixed(most / 1000.0, 1) +
+           " m: no marker was there, look at the calibration and the file";
   }
 
   std::string lost_names() const {
@@ -275,36 +316,66 @@ void QualityOptions::declare(ParameterSet& p) {
   p.number("most-swaps", most_swaps_per_minute,
            {.unit = "1/min", .min = 0.0, .max = 1e6, .help = "label swaps, at most"});
   share("most-spikes", most_spikes_percent, "samples within spikes, at most");
+  const auto angle = [&](const char* name, double& field, const char* help) {
+    p.number(name, field, {.unit = "°", .min = 0.0, .max = 180.0, .help = help});
+  };
+  angle("most-turn", most_turn_degrees, "rotation of the head from the reference frame, at most");
+  p.number("most-head-speed", most_head_speed_mm_s,
+           {.unit = "mm/s", .min = 0.0, .max = 1e6, .help = "speed of the head, at most"});
+  angle("clean-turn", clean_turn_degrees, "rotation of the head that need not be taken out");
+  length("clean-way", clean_way_mm, "way of the head that need not be taken out");
 }
+
+namespace {
+
+/// Markers that exist twice become one, or get names of their own, as everywhere else.
+MarkerSequence without_twins(const MarkerSequence& take, QualityResult& result,
+                             const RunContext& ctx) {
+  MarkerSequence united = take;
+  result.twins_done = make_operation("unite-twins")->apply(united, {"", ctx});
+  return united;
+}
+
+void assess(const MarkerSequence& take, const QualityOptions& options, QualityResult& result,
+            const RunContext& ctx) {
+  const std::vector<std::size_t> columns = body_columns(take);
+  result.markers = columns.size();
+  for (const Marker& m : take.markers()) result.labels.push_back(m.label);
+  if (result.frames == 0 || result.markers == 0) return;
+  look_at_markers(take, columns, result, ctx);
+  look_at_frames(take, columns, result);
+  result.lost_markers = static_cast<std::size_t>(std::ranges::count_if(
+      result.per_marker,
+      [&](const MarkerQuality& m) { return m.visible_percent < options.least_marker_percent; }));
+  RepairResult repaired = repair_take(take, {}, ctx.part(0.2, 0.7, "looking for faults"));
+  result.swaps = std::move(repaired.swaps);
+  result.strays = std::move(repaired.strays);
+  result.spikes = std::move(repaired.spikes);
+  result.jumps = std::move(repaired.jumps);
+  for (const Spike& s : result.spikes) {
+    const auto at = std::ranges::find(columns, s.marker) - columns.begin();
+    ++result.per_marker[static_cast<std::size_t>(at)].spikes;
+  }
+  look_at_head(repaired.take, columns, result.head, result, ctx.part(0.7, 1.0, "head motion"));
+}
+
+}  // namespace
 
 QualityResult assess_take(const MarkerSequence& take, const QualityOptions& options,
                           const RunContext& ctx) {
   options.validate();
   QualityResult result;
-  const std::vector<std::size_t> columns = body_columns(take);
   result.frames = take.frame_count();
-  result.markers = columns.size();
   result.rate_hz = take.rate_hz;
   result.first_frame = take.first_frame;
   result.noise_mm = result.residual_mm = unknown;
-  for (const Marker& m : take.markers()) result.labels.push_back(m.label);
   if (take.rate_hz > 0.0) result.duration_s = static_cast<double>(result.frames) / take.rate_hz;
-  count_loose(take, columns, result);
-  if (result.frames > 0 && result.markers > 0) {
-    look_at_markers(take, columns, result, ctx);
-    look_at_frames(take, columns, result);
-    result.lost_markers = static_cast<std::size_t>(std::ranges::count_if(
-        result.per_marker,
-        [&](const MarkerQuality& m) { return m.visible_percent < options.least_marker_percent; }));
-    const RepairResult repaired = repair_take(take, {}, ctx.part(0.2, 0.7, "looking for faults"));
-    result.swaps = repaired.swaps;
-    result.spikes = repaired.spikes;
-    result.jumps = repaired.jumps;
-    for (const Spike& s : result.spikes) {
-      const auto at = std::ranges::find(columns, s.marker) - columns.begin();
-      ++result.per_marker[static_cast<std::size_t>(at)].spikes;
-    }
-    look_at_head(take, columns, result.head, result, ctx.part(0.7, 1.0, "head motion"));
+  count_loose(take, body_columns(take), result);
+  if (result.twins > 0) {
+    assess(without_twins(take, result, ctx.part(0.0, 0.1, "twins")), options, result,
+           ctx.part(0.1, 1.0, "looking"));
+  } else {
+    assess(take, options, result, ctx);
   }
   Judge(options, result).judge();
   ctx.progress(1.0);

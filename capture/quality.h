@@ -15,16 +15,20 @@ namespace kinemesh {
 
 /// Worst limits of a take that is worth cleaning, and what needs no cleaning.
 struct QualityOptions {
-  double least_visible_percent = 80.0;  ///< of all samples; below: repeat
-  double least_marker_percent = 40.0;   ///< of one marker's; below it the marker is lost
-  double most_lost_percent = 5.0;       ///< of the markers may be lost; above: repeat
-  double longest_blind_s = 0.5;         ///< during which most markers are missing; above: repeat
-  double most_noise_mm = 1.0;           ///< median over markers; above: repeat
-  double clean_noise_mm = 0.3;          ///< above: smooth
-  double most_residual_mm = 3.0;        ///< median of the cameras' residuals; above: repeat
-  double most_dropped_percent = 2.0;    ///< of the frames; above: repeat
-  double most_swaps_per_minute = 60.0;  ///< above: repeat
-  double most_spikes_percent = 1.0;     ///< of all samples; above: repeat
+  double least_visible_percent = 80.0;   ///< of all samples; below: repeat
+  double least_marker_percent = 40.0;    ///< of one marker's; below it the marker is lost
+  double most_lost_percent = 5.0;        ///< of the markers may be lost; above: repeat
+  double longest_blind_s = 0.5;          ///< during which most markers are missing; above: repeat
+  double most_noise_mm = 1.0;            ///< median over markers; above: repeat
+  double clean_noise_mm = 0.3;           ///< above: smooth
+  double most_residual_mm = 3.0;         ///< median of the cameras' residuals; above: repeat
+  double most_dropped_percent = 2.0;     ///< of the frames; above: repeat
+  double most_swaps_per_minute = 60.0;   ///< above: repeat
+  double most_spikes_percent = 1.0;      ///< of all samples; above: repeat
+  double most_turn_degrees = 60.0;       ///< of the head; above, the cameras lose the face: repeat
+  double most_head_speed_mm_s = 1500.0;  ///< above: repeat
+  double clean_turn_degrees = 10.0;      ///< above, the head's motion is to be taken out
+  double clean_way_mm = 30.0;            ///< likewise
 
   void declare(ParameterSet& p);
   void validate() const { validate_options(*this); }
@@ -62,12 +66,15 @@ struct QualityResult {
   double longest_blind_s = 0.0;  ///< longest time with less than half of the markers
   std::size_t loose_points = 0;  ///< without a label, over all frames
   std::size_t twins = 0;         ///< labels that exist twice
+  std::string twins_done;        ///< what was done about it before anything else was looked at
   double noise_mm = 0.0;         ///< median over markers; NaN: not to be told
   double residual_mm = 0.0;      ///< median over samples; NaN when the file has none
   std::vector<LabelSwap> swaps;
   std::vector<Spike> spikes;
+  std::vector<Stray> strays;
   std::vector<Jump> jumps;
-  std::size_t dropped_frames = 0;  ///< without any marker between others, or repeated
+  std::size_t dropped_frames = 0;   ///< without any marker, few between others
+  std::size_t repeated_frames = 0;  ///< the same data as in the frame before
   HeadMotion head;
   std::vector<MarkerQuality> per_marker;
   std::vector<std::string> labels;  ///< of the take's columns, to which spikes and swaps refer

@@ -34,6 +34,12 @@ LineChart visibility_chart(const QualityResult& r) {
   chart.y = {.label = "seen", .unit = "%", .low = 0.0, .high = 100.0};
   chart.series.push_back(
       {.label = "", .x = frame_axis(r), .y = r.visible_over_time, .colour = series_colour(0)});
+  bool stray = false;
+  for (const Stray& s : r.strays) {
+    chart.bands.push_back({at_frame(r, s.frames.begin) - 0.5, at_frame(r, s.frames.end) - 0.5,
+                           missing_colour, stray ? "" : "at another place"});
+    stray = true;
+  }
   bool named = false;
   for (const Spike& s : r.spikes) {
     chart.bands.push_back({at_frame(r, s.frames.begin) - 0.5, at_frame(r, s.frames.end) - 0.5,
@@ -91,6 +97,36 @@ nlohmann::ordered_json or_null(double value) {
 
 }  // namespace
 
+namespace {
+
+std::string frames_of(const QualityResult& r, const FrameRange& frames) {
+  const auto number = [&](std::size_t f) {
+    return std::to_string(r.first_frame + static_cast<int64_t>(f));
+  };
+  return "frame " + number(frames.begin) +
+         (frames.size() > 1 ? " to " + number(frames.end - 1) : "");
+}
+
+/// The line in as many lines as it needs, broken between words.
+std::vector<std::string> wrapped(const std::string& text, double width, const TextStyle& style) {
+  std::vector<std::string> lines(1);
+  std::size_t begin = 0;
+  while (begin < text.size()) {
+    const std::size_t end = std::min(text.find(' ', begin), text.size());
+    const std::string word = text.substr(begin, end - begin);
+    const std::string longer = lines.back().empty() ? word : lines.back() + " " + word;
+    if (lines.back().empty() || text_width(longer, style) <= width) {
+      lines.back() = longer;
+    } else {
+      lines.push_back(word);
+    }
+    begin = end + 1;
+  }
+  return lines;
+}
+
+}  // namespace
+
 std::string quality_line(const QualityResult& r) {
   const std::string line(name_of(r.verdict));
   return r.reasons.empty() ? line : line + ": " + join(r.reasons, "; ");
@@ -109,10 +145,19 @@ std::string quality_text(const QualityResult& r) {
   row("residuals", number(r.residual_mm, 3, "mm (median)"));
   row("swaps", std::to_string(r.swaps.size()));
   for (const LabelSwap& s : r.swaps) {
-    row("", r.labels[s.a] + " and " + r.labels[s.b] + " from frame " +
-                std::to_string(r.first_frame + static_cast<int64_t>(s.from)));
+    row("", r.labels[s.a] + " and " + r.labels[s.b] +
+                (s.until ? ", " + frames_of(r, {s.from, *s.until})
+                         : " from " + frames_of(r, {s.from, s.from + 1})) +
+                (s.of > 2 ? ", of " + std::to_string(s.of) + " labels that went round" : ""));
   }
   constexpr std::size_t most = 10;
+  row("strays", std::to_string(r.strays.size()));
+  for (std::size_t i = 0; i < std::min(most, r.strays.size()); ++i) {
+    const Stray& s = r.strays[i];
+    row("", r.labels[s.marker] + ", " + frames_of(r, s.frames) + ", " + format_fixed(s.off_mm, 1) +
+                " mm from its place" + (s.owner ? ", at that of " + r.labels[*s.owner] : ""));
+  }
+  if (r.strays.size() > most) row("", "… and " + std::to_string(r.strays.size() - most) + " more");
   row("jumps", std::to_string(r.jumps.size()));
   for (std::size_t i = 0; i < std::min(most, r.jumps.size()); ++i) {
     row("", r.labels[r.jumps[i].marker] + " in frame " +
@@ -128,7 +173,8 @@ std::string quality_text(const QualityResult& r) {
                 format_fixed(s.deviation_mm, 1) + " mm");
   }
   if (r.spikes.size() > most) row("", "… and " + std::to_string(r.spikes.size() - most) + " more");
-  row("dropped", count_of(r.dropped_frames, "frame"));
+  row("dropped", count_of(r.dropped_frames, "frame") + "; " + count_of(r.repeated_frames, "frame") +
+                     " repeated");
   row("head", r.head.known ? "turns by up to " + format_fixed(r.head.turn_degrees, 1) +
                                  "°, moves by up to " + format_fixed(r.head.way_mm, 0) +
                                  " mm, up to " + format_fixed(r.head.speed_mm_s, 0) + " mm/s; " +
@@ -155,7 +201,9 @@ std::string quality_json(const QualityResult& r, const std::string& file) {
                {"noise_mm", or_null(r.noise_mm)},
                {"residual_mm", or_null(r.residual_mm)},
                {"dropped_frames", r.dropped_frames},
+               {"repeated_frames", r.repeated_frames},
                {"swaps", Json::array()},
+               {"strays", Json::array()},
                {"jumps", Json::array()},
                {"spikes", Json::array()},
                {"head", nullptr},
@@ -164,8 +212,17 @@ std::string quality_json(const QualityResult& r, const std::string& file) {
     json["swaps"].push_back({{"a", r.labels[s.a]},
                              {"b", r.labels[s.b]},
                              {"from_frame", frame(s.from)},
+                             {"to_frame", s.until ? Json(frame(*s.until - 1)) : Json()},
+                             {"of_labels", s.of},
                              {"error_mm", s.error_mm},
                              {"mended_mm", s.mended_mm}});
+  }
+  for (const Stray& s : r.strays) {
+    json["strays"].push_back({{"marker", r.labels[s.marker]},
+                              {"first_frame", frame(s.frames.begin)},
+                              {"last_frame", frame(s.frames.end - 1)},
+                              {"off_mm", s.off_mm},
+                              {"belongs_to", s.owner ? Json(r.labels[*s.owner]) : Json()}});
   }
   for (const Jump& j : r.jumps) {
     json["jumps"].push_back(
@@ -197,18 +254,24 @@ std::string quality_json(const QualityResult& r, const std::string& file) {
 
 Canvas draw_quality(const QualityResult& r, const std::string& title) {
   const bool head = r.head.known;
-  const BarChart missing =
-      worst_markers(r, "Least seen: missing", "%", 1,
-                    [](const MarkerQuality& m) { return 100.0 - m.visible_percent; });
+  BarChart missing = worst_markers(r, "Least seen: missing", "%", 1, [](const MarkerQuality& m) {
+    return 100.0 - m.visible_percent;
+  });
   const BarChart noise =
       worst_markers(r, "Noisiest", "mm", 3, [](const MarkerQuality& m) { return m.noise_mm; });
-  constexpr double width = 1200.0, top = 76.0, row = 230.0, margin = 16.0;
+  std::erase_if(missing.bars, [](const auto& bar) { return bar.value <= 0.0; });
+  constexpr double width = 1200.0, row = 230.0, margin = 16.0, line = 20.0;
+  TextStyle style{.size = 14.0, .bold = true};
+  const std::vector<std::string> verdict = wrapped(quality_line(r), width - 2.0 * margin, style);
+  const double top = 56.0 + line * static_cast<double>(verdict.size());
   const double bars = std::max({120.0, missing.natural_height(), noise.natural_height()});
   Canvas canvas(width, top + (head ? 3.0 : 1.0) * row + bars + 2.0 * margin);
   const Colour colours[] = {colour_from_hex(0x1a7f37), colour_from_hex(0xb35900), missing_colour};
   canvas.text({margin, 28.0}, title, {.size = 18.0, .bold = true});
-  canvas.text_within({margin, 54.0}, quality_line(r), width - 2.0 * margin,
-                     {.size = 14.0, .colour = colours[static_cast<int>(r.verdict)], .bold = true});
+  style.colour = colours[static_cast<int>(r.verdict)];
+  for (std::size_t i = 0; i < verdict.size(); ++i) {
+    canvas.text({margin, 54.0 + line * static_cast<double>(i)}, verdict[i], style);
+  }
   const auto place = [&](int i) {
     return Box{margin, top + i * row, width - 2.0 * margin, row - margin};
   };

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "capture/clean.h"
@@ -11,6 +13,8 @@
 #include "config/error.h"
 #include "tests/support/c3d_takes.h"
 #include "tests/support/data.h"
+#include "tests/support/faults.h"
+#include "tests/support/samples.h"
 
 namespace kinemesh {
 namespace {
@@ -54,6 +58,50 @@ MarkerSequence without_markers(MarkerSequence take, std::size_t count) {
   return take;
 }
 
+MarkerSequence with_swaps(MarkerSequence take, std::size_t count) {
+  // Each pair of neighbours exchanges its labels for a while.
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t from = 40 + 300 * i / std::max<std::size_t>(count, 1);
+    test::rotate_labels(take, {20 + 2 * i, 21 + 2 * i}, from, from + 60);
+  }
+  return take;
+}
+
+MarkerSequence with_residuals(MarkerSequence take, double mm) {
+  for (std::size_t i = 0; i < take.sample_count(); ++i) {
+    take.residuals()[i] = static_cast<float>(mm);
+  }
+  return take;
+}
+
+/// The head turns by this angle and back, beside what it does anyway.
+MarkerSequence with_turned_head(MarkerSequence take, double degrees, double turns = 1.0) {
+  const double frames = static_cast<double>(take.frame_count());
+  for (std::size_t f = 0; f < take.frame_count(); ++f) {
+    const double angle =
+        degrees * std::numbers::pi / 180.0 *
+        std::pow(std::sin(turns * std::numbers::pi * static_cast<double>(f) / frames), 2);
+    const Eigen::Matrix3f turn =
+        Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix().cast<float>();
+    for (std::size_t m = 0; m < take.marker_count(); ++m) {
+      const Eigen::Vector3f p = take.position(f, m);
+      take.position(f, m) = turn * p;
+    }
+  }
+  return take;
+}
+
+MarkerSequence with_repeated_frames(MarkerSequence take, std::size_t every) {
+  for (std::size_t f = every; f < take.frame_count(); f += every) {
+    for (std::size_t m = 0; m < take.marker_count(); ++m) {
+      const Eigen::Vector3f p = take.position(f - 1, m);
+      take.position(f, m) = p;
+      take.flags()[take.sample(f, m)] = take.flags()[take.sample(f - 1, m)];
+    }
+  }
+  return take;
+}
+
 Verdict verdict_of(const MarkerSequence& take) { return assess_take(take).verdict; }
 
 TEST(Quality, TheVerdictFollowsTheDegradation) {
@@ -80,6 +128,99 @@ TEST(Quality, TheVerdictFollowsTheDegradation) {
   EXPECT_EQ(steps([&](double n) { return without_markers(take, static_cast<std::size_t>(n)); },
                   {0, 2, 12, 40}),
             "ccrr");
+  EXPECT_EQ(steps([&](double n) { return with_repeated_frames(take, static_cast<std::size_t>(n)); },
+                  {400, 100, 10, 4}),
+            "ccrr");
+}
+
+/// The head held still, no noise, no gap: as good as a take can be.
+MarkerSequence faultless() { return stabilise_head(test::make_sample("anna_happy").truth).take; }
+
+/// The verdicts of the take with more and more of a fault: f(it), c(lean), r(epeat).
+template <class Degrade>
+std::string verdicts(const Degrade& degrade, std::initializer_list<double> amounts,
+                     const std::string& reason) {
+  std::string got;
+  for (const double amount : amounts) {
+    const QualityResult result = assess_take(degrade(amount));
+    got += "fcr"[static_cast<int>(result.verdict)];
+    const std::string line = quality_line(result);
+    if (result.verdict == Verdict::fit) continue;
+    EXPECT_NE(line.find(reason), std::string::npos) << line;
+  }
+  return got;
+}
+
+TEST(Quality, TheVerdictFollowsFaultsOfLabelsAndPaths) {
+  const MarkerSequence take = faultless();
+  ASSERT_EQ(verdict_of(take), Verdict::fit) << quality_line(assess_take(take));
+  const auto swapped = [&](double n) { return with_swaps(take, static_cast<std::size_t>(n)); };
+  EXPECT_EQ(verdicts(swapped, {0, 1, 12}, "label swap"), "fcr");
+  const auto spiky = [&](double share) { return test::with_spikes(take, share, 3).take; };
+  EXPECT_EQ(verdicts(spiky, {0.001, 0.005, 0.03}, "spike"), "ccr");
+  const auto noisy = [&](double sd) { return with_noise(take, sd); };
+  EXPECT_EQ(verdicts(noisy, {0.1, 0.6, 1.5}, "noise"), "fcr");
+  const auto gappy = [&](double share) { return with_gaps(take, share); };
+  EXPECT_EQ(verdicts(gappy, {0.05, 0.5}, "samples"), "cr");
+}
+
+TEST(Quality, TheVerdictFollowsFaultsOfTheRecording) {
+  const MarkerSequence take = faultless();
+  const auto coarse = [&](double mm) { return with_residuals(take, mm); };
+  EXPECT_EQ(verdicts(coarse, {1.0, 2.0, 5.0}, "residual"), "fcr");
+  const auto turned = [&](double angle) { return with_turned_head(take, angle); };
+  EXPECT_EQ(verdicts(turned, {5, 30, 100}, "the head turns"), "fcr");
+  const auto shaken = [&](double turns) { return with_turned_head(take, 20.0, turns); };
+  EXPECT_EQ(verdicts(shaken, {1, 20}, "the head"), "cr");
+  const auto dropped = [&](double n) {
+    return with_dropped_frames(take, static_cast<std::size_t>(n));
+  };
+  EXPECT_EQ(verdicts(dropped, {1000, 100, 10}, "dropped"), "fcr");
+  const auto repeated = [&](double n) {
+    return with_repeated_frames(take, static_cast<std::size_t>(n));
+  };
+  EXPECT_EQ(verdicts(repeated, {100, 10}, "repeat"), "cr");
+}
+
+TEST(Quality, TwinsAreUnitedBeforeAnythingIsLookedAt) {
+  const MarkerSequence take = sample("anna_happy");
+  std::vector<Marker> markers = take.markers();
+  markers.push_back(markers[30]);  // its second half comes under a second column
+  auto broken = MarkerSequence::invalid(take.frame_count(), markers, take.rate_hz);
+  for (std::size_t f = 0; f < take.frame_count(); ++f) {
+    for (std::size_t m = 0; m < take.marker_count(); ++m) {
+      const std::size_t to = m == 30 && f > 200 ? markers.size() - 1 : m;
+      broken.position(f, to) = take.position(f, m);
+      broken.flags()[broken.sample(f, to)] = take.flags()[take.sample(f, m)];
+    }
+  }
+  const QualityResult result = assess_take(broken);
+  EXPECT_EQ(result.twins, 1U);
+  EXPECT_EQ(result.markers, take.marker_count());
+  EXPECT_NEAR(result.visible_percent, assess_take(take).visible_percent, 1e-9);
+  EXPECT_EQ(result.lost_markers, 0U);
+  EXPECT_NE(quality_line(result).find("used twice, joined the two trajectories of " +
+                                      take.markers()[30].label),
+            std::string::npos)
+      << quality_line(result);
+}
+
+TEST(Quality, OutOfViewIsNotDropped) {
+  MarkerSequence take = sample("anna_happy");
+  for (std::size_t f = 0; f < take.frame_count(); ++f) {
+    if (f >= 20 && (f < 200 || f >= 230) && f != 300) continue;  // begin, middle, one frame
+    for (std::size_t m = 0; m < take.marker_count(); ++m) take.flags()[take.sample(f, m)] = 0;
+  }
+  const QualityResult result = assess_take(take);
+  EXPECT_EQ(result.dropped_frames, 1U);
+  EXPECT_NEAR(result.longest_blind_s, 30.0 / 120.0, 1e-9);
+}
+
+TEST(Quality, AbsurdSpikesAreSaidToBe) {
+  MarkerSequence take = sample("anna_happy");
+  take.position(100, 40).x() += 65000.0F;
+  const std::string line = quality_line(assess_take(take));
+  EXPECT_NE(line.find("1 spike of up to 65.0 m: no marker was there"), std::string::npos) << line;
 }
 
 TEST(Quality, ReasonsNameWhatIsWrong) {
