@@ -54,7 +54,7 @@ class ObjReader {
   void read_vertex() {
     if (scan_.word() != "v") return;  // vn, vt, vp
     float xyz[3];
-    for (float& value : xyz) value = scan_.number("a coordinate");
+    for (float& value : xyz) value = scan_.coordinate();
     positions_.insert(positions_.end(), xyz, xyz + 3);
   }
 

@@ -22,7 +22,7 @@ class OffReader {
     for (std::size_t v = 0; v < vertices_; ++v) {
       begin_row("vertex", v, vertices_);
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        data_.positions[3 * v + axis] = scan_.number("a coordinate");
+        data_.positions[3 * v + axis] = scan_.coordinate();
       }
       scan_.next_line();
     }

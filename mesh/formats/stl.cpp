@@ -84,7 +84,7 @@ MeshData decode_ascii(std::span<const std::byte> bytes, const std::string& name)
     if (word == "vertex") {
       if (!in_facet || corners == 3) scan.fail("a vertex stands outside a facet of three");
       std::array<float, 3> position{};
-      for (float& value : position) value = scan.number("a coordinate");
+      for (float& value : position) value = scan.coordinate();
       face[corners++] = merger.index_of(position);
     } else if (word == "facet") {
       if (in_facet) scan.fail("a facet begins within another");

@@ -66,6 +66,10 @@ float TextScanner::unusual_number(const char* what) {
   return static_cast<float>(value);
 }
 
+void TextScanner::refuse_coordinate() const {
+  fail("a coordinate is not a finite number", "Fill the gap, or leave the vertex out");
+}
+
 void TextScanner::refuse_word(const char* what) {
   const char* stop = at_;
   while (stop != end_ && !is_separator(*stop) && stop - at_ < 40) ++stop;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <charconv>
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -49,6 +50,12 @@ class TextScanner {
     require_separator(what);
     return value;
   }
+  /// One that is finite.
+  float coordinate() {
+    const float value = number("a coordinate");
+    if (!std::isfinite(value)) refuse_coordinate();
+    return value;
+  }
   double real(const char* what);
   int64_t integer(const char* what) {
     skip_blanks();
@@ -74,6 +81,7 @@ class TextScanner {
   }
   float unusual_number(const char* what);
   [[noreturn]] void refuse_word(const char* what);
+  [[noreturn]] void refuse_coordinate() const;
 
   const char* begin_;
   const char* at_;

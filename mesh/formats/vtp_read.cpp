@@ -30,7 +30,7 @@ class VtpReader {
   MeshData read() {
     file_ = vtk_file_of(root_, name_);
     const XmlElement* data = root_.child("PolyData");
-    if (data == nullptr) fail("the file holds no PolyData");
+    if (data == nullptr) fail(root_, "the file holds no PolyData");
     for (const XmlElement& piece : data->children) {
       if (piece.name == "Piece") read_piece(piece);
     }
@@ -51,8 +51,9 @@ class VtpReader {
   }
 
  private:
-  [[noreturn]] void fail(const std::string& what) const {
-    throw InputError({.what = what, .file = name_});
+  [[noreturn]] void fail(const XmlElement& at, const std::string& what) const {
+    throw InputError(
+        {.what = what, .file = name_, .place = "byte " + std::to_string(at.text_begin)});
   }
 
   void read_piece(const XmlElement& piece) {
@@ -61,9 +62,10 @@ class VtpReader {
     const std::size_t first = positions_.size() / 3;
     if (array != nullptr) {
       const std::string* components = array->attribute("NumberOfComponents");
-      if (components != nullptr && *components != "3") fail("points do not have three components");
+      if (components != nullptr && *components != "3")
+        fail(*array, "points do not have three components");
       const std::vector<float> values = vtk_floats(file_, *array);
-      if (values.size() % 3 != 0) fail("the number of coordinates is no multiple of three");
+      if (values.size() % 3 != 0) fail(*array, "the number of coordinates is no multiple of three");
       positions_.insert(positions_.end(), values.begin(), values.end());
     }
     count_ = positions_.size() / 3 - first;
@@ -91,12 +93,13 @@ class VtpReader {
     for (const double offset : vtk_numbers(file_, *offsets)) {
       if (!(offset >= static_cast<double>(begin) &&
             offset <= static_cast<double>(corners.size()))) {
-        fail("cell " + std::to_string(cell_) + " ends at corner " + format_number(offset) + " of " +
-             std::to_string(corners.size()));
+        fail(*offsets, "cell " + std::to_string(cell_) + " ends at corner " +
+                           format_number(offset) + " of " + std::to_string(corners.size()));
       }
       const auto end = static_cast<std::size_t>(offset);
       polygon_.clear();
-      for (std::size_t i = begin; i < end; ++i) polygon_.push_back(vertex(corners[i], first));
+      for (std::size_t i = begin; i < end; ++i)
+        polygon_.push_back(vertex(*connectivity, corners[i], first));
       if (strips) {
         add_strip();
       } else {
@@ -107,10 +110,10 @@ class VtpReader {
     }
   }
 
-  VertexIndex vertex(double index, std::size_t first) const {
+  VertexIndex vertex(const XmlElement& at, double index, std::size_t first) const {
     if (!(index >= 0 && index < static_cast<double>(count_)) || index != std::floor(index)) {
-      fail("cell " + std::to_string(cell_) + " refers to point " + format_number(index) +
-           " (0-based), but there are only " + std::to_string(count_));
+      fail(at, "cell " + std::to_string(cell_) + " refers to point " + format_number(index) +
+                   " (0-based), but there are only " + std::to_string(count_));
     }
     return static_cast<VertexIndex>(first + static_cast<std::size_t>(index));
   }

@@ -217,11 +217,25 @@ TEST(Formats, OlderFilesOfASequenceAreMentioned) {
 
 TEST(Formats, PositionsThatAreNoNumbersAreRefused) {
   const TemporaryFolder folder;
-  write_file(folder.path() / "a.obj", "v 1 2 3\nv 0 nan 0\nv 1 0 0\nf 1 2 3\n");
-  EXPECT_EQ(message_of([&] { read_animation(formats(), folder.path() / "a.obj"); }),
-            (folder.path() / "a.obj").string() +
-                ": vertex 1 (0-based): the position is not a finite number. Fill the gap, or leave "
-                "the vertex out");
+  const auto message = [&](const std::string& name, const std::string& text) {
+    const std::filesystem::path path = folder.path() / name;
+    write_file(path, text);
+    return message_of([&] { read_animation(formats(), path); }).substr(path.string().size());
+  };
+  EXPECT_EQ(message("a.obj", "v 1 2 3\nv 0 nan 0\nv 1 0 0\nf 1 2 3\n"),
+            ": line 2: a coordinate is not a finite number. Fill the gap, or leave the vertex out");
+  EXPECT_EQ(message("a.off", "OFF\n3 1 0\n1 2 3\n0 0 0\n1 inf 0\n3 0 1 2\n"),
+            ": line 5: a coordinate is not a finite number. Fill the gap, or leave the vertex out");
+  EXPECT_EQ(message("a.ply",
+                    "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+                    "property float z\nend_header\n1 2 3\n0 nan 0\n"),
+            ": vertex 1 (0-based): the position is not a finite number. Fill the gap, or leave the "
+            "vertex out");
+  EXPECT_EQ(message("a.vtp",
+                    "<VTKFile type=\"PolyData\"><PolyData><Piece><Points><DataArray "
+                    "type=\"Float32\" format=\"ascii\">0 0 0 1</DataArray></Points></Piece>"
+                    "</PolyData></VTKFile>"),
+            ": byte 97: the number of coordinates is no multiple of three");
 }
 
 }  // namespace
