@@ -235,7 +235,7 @@ TEST(Formats, PositionsThatAreNoNumbersAreRefused) {
                     "<VTKFile type=\"PolyData\"><PolyData><Piece><Points><DataArray "
                     "type=\"Float32\" format=\"ascii\">0 0 0 1</DataArray></Points></Piece>"
                     "</PolyData></VTKFile>"),
-            ": byte 97: the number of coordinates is no multiple of three");
+            ": byte 91: the number of coordinates is no multiple of three");
 }
 
 }  // namespace
