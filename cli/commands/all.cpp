@@ -22,6 +22,7 @@ std::vector<CommandSpec> all_commands() {
       align_command(),
       match_command(),
       correspond_command(),
+      compare_command(),
       solve_matching_command(),
       deformation_command(),
       features_command(),

@@ -16,6 +16,7 @@ CommandSpec c3d_export_command();
 CommandSpec c3d_info_command();
 CommandSpec c3d_process_command();
 CommandSpec c3d_quality_command();
+CommandSpec compare_command();
 CommandSpec convert_command();
 CommandSpec correspond_command();
 CommandSpec deformation_command();

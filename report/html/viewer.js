@@ -119,6 +119,18 @@ class Viewer {
     bar.querySelector(".high").textContent = this.field.highText;
     bar.querySelector(".name").textContent = this.field.label;
   }
+  // The other views of the group follow where they have the same field.
+  chooseField(index) {
+    const label = this.data.fields[index]?.label;
+    for (const member of this.group.members) {
+      const own = index < 0 ? -1 : member.data.fields.findIndex((field) => field.label === label);
+      if (member !== this && index >= 0 && own < 0) continue;
+      const select = member.part("field");
+      if (select) select.value = own;
+      member.setField(own);
+      member.draw();
+    }
+  }
   listenToControls() {
     const on = (name, event, action) => {
       const target = this.part(name);
@@ -139,7 +151,7 @@ class Viewer {
     on("front", "click", () => this.look(0, 0));
     on("side", "click", () => this.look(Math.PI / 2, 0));
     on("oblique", "click", () => this.look(0.6, 0.25));
-    on("field", "change", (select) => { this.setField(Number(select.value)); this.draw(); });
+    on("field", "change", (select) => this.chooseField(Number(select.value)));
     toggle("edges");
     toggle("points");
   }
