@@ -8,6 +8,7 @@
 #include <random>
 
 #include "capture/fill/filler.h"
+#include "capture/repair.h"
 #include "config/error.h"
 #include "config/parallel.h"
 #include "config/text.h"
@@ -172,6 +173,7 @@ void EvaluateFillOptions::declare(ParameterSet& p) {
             .min = 0,
             .max = 100,
             .help = "noise added to every coordinate; errors are measured without it"});
+  p.flag("repair", repair, "take out spikes and put exchanged labels right first, as process does");
   p.choice("effort", effort,
            {{FillEffort::automatic, "auto", "as the take is filled by process"},
             {FillEffort::full, "full", "as for a take with few gaps"},
@@ -185,10 +187,17 @@ void EvaluateFillOptions::validate() const {
   for (const std::string& word : methods) method_named(word);
 }
 
-EvaluateFillResult evaluate_fill(const MarkerSequence& take, const EvaluateFillOptions& options,
+EvaluateFillResult evaluate_fill(const MarkerSequence& recorded, const EvaluateFillOptions& options,
                                  const RunContext& ctx) {
   options.validate();
   EvaluateFillResult result;
+  MarkerSequence mended;
+  if (options.repair) {
+    RepairResult repaired = repair_take(recorded, {}, ctx.part(0.0, 0.02, "repair"));
+    mended = std::move(repaired.take);
+    result.repaired = std::move(repaired.done);
+  }
+  const MarkerSequence& take = options.repair ? mended : recorded;
   result.gap_frames =
       static_cast<std::size_t>(std::max(1.0, std::round(options.gap_s * take.rate_hz)));
   const Trajectories whole(options.noise_mm > 0.0 ? with_noise(take, options.noise_mm, ctx.seed())

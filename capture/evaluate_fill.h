@@ -18,6 +18,8 @@ struct EvaluateFillOptions {
   int trials = 64;
   double noise_mm = 0.0;  ///< normal noise added to every coordinate of the take before stretches
                           ///< are removed; errors are measured against the take without it
+  bool repair = true;  ///< spikes are taken out and exchanged labels put right first, as they are
+                       ///< before filling: what stands for the truth must not be wrong itself
   FillEffort effort = FillEffort::automatic;  ///< of auto
   std::vector<std::string> methods = {"auto",    "linear", "cubic", "quintic",
                                       "pattern", "rigid",  "pca"};
@@ -48,6 +50,7 @@ struct EvaluateFillResult {
   std::vector<FillScore> scores;  ///< in the order of the options
   std::size_t gap_frames = 0;
   std::size_t candidates = 0;         ///< markers that are measured for long enough
+  std::vector<std::string> repaired;  ///< what was put right before, one sentence each
   std::vector<std::string> warnings;  ///< full sentences, also sent to ctx
 };
 
@@ -55,7 +58,7 @@ struct EvaluateFillResult {
 /// and on both sides; they are the same for every method and depend on ctx.seed() alone. Gaps that
 /// the take has of its own stay. Splines fill gaps of any length here. Throws NoResultError when
 /// too few markers are measured for long enough.
-EvaluateFillResult evaluate_fill(const MarkerSequence& take,
+EvaluateFillResult evaluate_fill(const MarkerSequence& recorded,
                                  const EvaluateFillOptions& options = {},
                                  const RunContext& ctx = {});
 

@@ -16,11 +16,12 @@ std::string cell(double value, int decimals, std::size_t width) {
 }  // namespace
 
 std::string evaluate_fill_text(const EvaluateFillResult& result) {
-  std::string text =
-      "Error of a gap of " + count_of(result.gap_frames, "frame") +
-      " in mm (root mean square over its frames, 3D), over gaps; samples in the 90 % band in "
-      "percent, its mean radius in mm:\n"
-      "method      gaps  not filled  median     90 %  maximum  in band  radius\n";
+  std::string text;
+  for (const std::string& done : result.repaired) text += "first: " + done + "\n";
+  text += "Error of a gap of " + count_of(result.gap_frames, "frame") +
+          " in mm (root mean square over its frames, 3D), over gaps; samples in the 90 % band in "
+          "percent, its mean radius in mm:\n"
+          "method      gaps  not filled  median     90 %  maximum  in band  radius\n";
   for (const FillScore& s : result.scores) {
     const std::string name(name_of(s.method));
     text += name + std::string(10 - std::min<std::size_t>(10, name.size()), ' ') +
@@ -43,6 +44,7 @@ std::string evaluate_fill_json(const EvaluateFillResult& result, const EvaluateF
                {"trials", options.trials},
                {"noise_mm", options.noise_mm},
                {"candidates", result.candidates},
+               {"repaired", result.repaired},
                {"methods", Json::array()},
                {"warnings", result.warnings}};
   for (const FillScore& s : result.scores) {

@@ -283,7 +283,9 @@ Estimate estimate_gap(const TrainingSet& set, double rate_hz, double noise,
   Estimate out;
   for (std::size_t i = 0; i < set.gap.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
-    const Eigen::Vector3d p = (estimate.mean.row(row) + set.mean_output).transpose();
+    const Eigen::RowVector3d guess =
+        set.guess.row(static_cast<Eigen::Index>(set.rows.size()) + row);
+    const Eigen::Vector3d p = (estimate.mean.row(row) + set.mean_output + guess).transpose();
     out.positions.push_back(set.poses[i].apply(p));
     // The uncertainty of the true position: without the noise of a measurement there.
     const double total = estimate.variance[row];

@@ -178,11 +178,13 @@ class CommonFrame {
   std::size_t count_;
 };
 
-/// Weighted displacements, scaled to a root mean square norm of 1 over the rows.
+/// Weighted displacements, scaled to a root mean square norm of 1 over the rows or, where the
+/// donors move more, over the gap: motion that no row knows must not look like much of the same.
 Dense make_inputs(const CommonFrame& frame, const std::vector<Donor>& donors, std::size_t rows,
                   std::size_t columns) {
   Dense inputs(3 * donors.size(), columns);
-  double squares = 0.0;
+  double outside = 0.0;
+  double inside = 0.0;
   for (std::size_t k = 0; k < donors.size(); ++k) {
     for (std::size_t c = 0; c < 3; ++c) {
       double* values = inputs.row(3 * k + c);
@@ -193,16 +195,70 @@ Dense make_inputs(const CommonFrame& frame, const std::vector<Donor>& donors, st
       }
       for (std::size_t i = 0; i < columns; ++i) {
         values[i] = donors[k].weight * (values[i] - mean);
-        if (i < rows) squares += values[i] * values[i];
+        (i < rows ? outside : inside) += values[i] * values[i];
       }
     }
   }
-  const double norm = std::sqrt(squares / static_cast<double>(rows));
+  double squares = outside / static_cast<double>(rows);
+  if (columns > rows) squares = std::max(squares, inside / static_cast<double>(columns - rows));
+  const double norm = std::sqrt(squares);
   if (norm <= 0.0) return inputs;
   for (std::size_t r = 0; r < inputs.rows(); ++r) {
     for (std::size_t i = 0; i < columns; ++i) inputs(r, i) /= norm;
   }
   return inputs;
+}
+
+/// How much each of the first donors tells about a place that moves like what is around it:
+/// ordinary kriging (Matheron 1963) of a displacement field with a Matérn 3/2 covariance over the
+/// distance. The weights add up to 1.
+Eigen::VectorXd kriging_weights(const std::vector<Eigen::Vector3d>& at, const Eigen::Vector3d& own,
+                                const TrainingOptions& options) {
+  const auto n = static_cast<Eigen::Index>(at.size());
+  double range = 0.0;
+  for (const Eigen::Vector3d& p : at) {
+    range += options.guess_range * (p - own).norm() / static_cast<double>(n);
+  }
+  if (!(range > 0.0)) return Eigen::VectorXd::Zero(n);
+  const auto alike = [&](const Eigen::Vector3d& p, const Eigen::Vector3d& q) {
+    const double r = std::sqrt(3.0) * (p - q).norm() / range;
+    return (1.0 + r) * std::exp(-r);
+  };
+  Eigen::MatrixXd a = Eigen::MatrixXd::Ones(n + 1, n + 1);
+  Eigen::VectorXd b = Eigen::VectorXd::Ones(n + 1);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const Eigen::Vector3d& p = at[static_cast<std::size_t>(k)];
+    for (Eigen::Index j = 0; j < n; ++j) a(k, j) = alike(p, at[static_cast<std::size_t>(j)]);
+    a(k, k) += options.guess_nugget;
+    b[k] = alike(p, own);
+  }
+  a(n, n) = 0.0;
+  return a.fullPivLu().solve(b).head(n);
+}
+
+/// What the nearest donors' displacements say where the marker is, before anything is learnt.
+Eigen::MatrixXd spatial_guess(const CommonFrame& frame, const Eigen::Vector3d& own,
+                              std::size_t donors, std::size_t rows, std::size_t columns,
+                              const TrainingOptions& options) {
+  Eigen::MatrixXd guess = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(columns), 3);
+  const std::size_t n = std::min(donors, options.guess_donors);
+  constexpr std::size_t least = 3;  // fewer say little of the surface between them
+  if (n < least || rows == 0) return guess;
+  std::vector<Eigen::Vector3d> at(n, Eigen::Vector3d::Zero());
+  for (std::size_t i = 0; i < rows; ++i) {
+    for (std::size_t k = 0; k < n; ++k) {
+      at[k] += frame.pose(i).undo(frame.at(i)[k]) / static_cast<double>(rows);
+    }
+  }
+  const Eigen::VectorXd weights = kriging_weights(at, own, options);
+  for (std::size_t i = 0; i < columns; ++i) {
+    for (std::size_t k = 0; k < n; ++k) {
+      guess.row(static_cast<Eigen::Index>(i)) +=
+          weights[static_cast<Eigen::Index>(k)] *
+          (frame.pose(i).undo(frame.at(i)[k]) - at[k]).transpose();
+    }
+  }
+  return guess;
 }
 
 }  // namespace
@@ -227,6 +283,9 @@ TrainingSet make_training_set(const Trajectories& take, const Trajectories& roug
     set.outputs.row(static_cast<Eigen::Index>(i)) =
         frame.pose(i).undo(take.at(gap.marker, frames[i])).transpose();
   }
+  set.guess = spatial_guess(frame, set.outputs.colwise().mean().transpose(), donors.size(), rows,
+                            frames.size(), options);
+  set.outputs -= set.guess.topRows(static_cast<Eigen::Index>(rows));
   set.mean_output = set.outputs.colwise().mean();
   set.outputs.rowwise() -= set.mean_output;
   for (std::size_t i = rows; i < frames.size(); ++i) set.poses.push_back(frame.pose(i));

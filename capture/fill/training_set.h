@@ -17,6 +17,9 @@ struct TrainingOptions {
                                  ///< × the mean distance to the five nearest, if that is larger
   std::size_t donors = 24;       ///< at most
   int frame_rounds = 2;          ///< refinements of the common frame's mean shape
+  std::size_t guess_donors = 8;  ///< the nearest ones, from which the marker is guessed
+  double guess_range = 2.0;      ///< of their covariance, in their mean distances
+  double guess_nugget = 0.25;    ///< what tells each from its surroundings, noise among it
 };
 
 /// Frames, inputs and outputs; the columns of `inputs` are the rows, then the gap's frames.
@@ -25,8 +28,12 @@ struct TrainingSet {
   std::vector<std::size_t> gap;   ///< the frames to estimate
   std::size_t donors = 0;         ///< 0: time is the only input
   Dense inputs;  ///< (3 × donors) × (rows + gap): the donors' weighted displacements in the common
-                 ///< frame, divided by their root mean square norm over the rows
-  Eigen::MatrixXd outputs;  ///< rows × 3, mm, in the common frame, without their mean
+                 ///< frame, divided by their root mean square norm over the rows or, if that is
+  ///< larger, over the gap
+  Eigen::MatrixXd guess;  ///< (rows + gap) × 3, mm: how the marker would move if it moved as what
+                          ///< is around it. It is what holds where the donors do what they do in
+                          ///< no row.
+  Eigen::MatrixXd outputs;  ///< rows × 3, mm, in the common frame, without guess and mean
   Eigen::RowVector3d mean_output;
   std::vector<RigidFit> poses;  ///< of the gap's frames: common frame → recording
 };
