@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "capture/edit/operation.h"
+#include "capture/idle_options.h"
 #include "config/error.h"
 #include "config/text.h"
 
@@ -178,6 +179,33 @@ void CleanOptions::declare(ParameterSet& p) {
 void CleanOptions::validate() const {
   validate_options(*this);
   filter.validate();
+  gaps.validate();
+  const std::string leave = ", or leave it out";
+  const std::vector<std::string> filtering =
+      changed_parameters(filter, FilterOptions{.method = filter.method});
+  if (filter.method == FilterMethod::none) {
+    refuse_idle(filtering, {"cutoff", "filter-order", "window", "degree"}, "nothing is smoothed",
+                "Add --filter with a method" + leave);
+  } else if (filter.method == FilterMethod::butterworth) {
+    refuse_idle(filtering, {"window", "degree"}, "butterworth has a cut-off instead",
+                "Use --cutoff" + leave);
+  } else {
+    refuse_idle(filtering, {"cutoff", "filter-order"},
+                "only butterworth has a cut-off and an order", "Use --window" + leave);
+  }
+  if (!stabilise) {
+    refuse_idle(changed_parameters(head), {"rigid", "reference-frame"},
+                "the head's motion is not removed", "Add --stabilise" + leave);
+  }
+  if (!fill) {
+    refuse_idle(changed_parameters(gaps),
+                {"fill", "effort", "max-gap", "donor", "companion", "fill-rest"},
+                "gaps are left open (--no-fill-gaps)", "Leave out one of the two");
+  }
+  if (!label && !template_file.empty()) {
+    throw UsageError({.what = "--template does nothing here: no labels are given (--no-label)",
+                      .remedy = "Leave out one of the two"});
+  }
 }
 
 CleanResult clean_take(const MarkerSequence& take, const CleanOptions& options,

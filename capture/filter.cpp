@@ -228,6 +228,13 @@ FilterResult filter_take(const MarkerSequence& take, const FilterOptions& option
                               format_number(take.rate_hz) + " Hz",
                       .remedy = "Lower --cutoff, or give 0 to have it suggested"});
   }
+  const bool windowed = options.method != FilterMethod::none && !low_pass;
+  if (windowed && static_cast<std::size_t>(options.window) > take.frame_count()) {
+    throw UsageError({.what = "a window of " +
+                              count_of(static_cast<std::size_t>(options.window), "frame") +
+                              " is longer than the take of " + std::to_string(take.frame_count()),
+                      .remedy = "Give a shorter --window"});
+  }
   FilterResult result;
   result.take = take;
   std::vector<MarkerTally> tallies(take.marker_count());

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "capture/fill/filler.h"
+#include "capture/idle_options.h"
 #include "config/parallel.h"
 #include "config/text.h"
 
@@ -46,6 +47,20 @@ void warn_of_lost(const MarkerSequence& take, GapFillResult& result, const RunCo
        count_of(result.never_valid.size(), "marker was", "markers were") +
            " not measured in any frame and cannot be filled (" + join(labels, ", ") +
            "): there will be nothing in their place. If the region matters, repeat the take.");
+}
+
+/// A person who limits the length of gaps expects longer ones to stay open.
+void warn_of_idle_limit(const GapFillOptions& options, GapFillResult& result,
+                        const RunContext& ctx) {
+  if (options.max_gap_s == GapFillOptions{}.max_gap_s) return;
+  const bool spline = options.method == FillMethod::linear || options.method == FillMethod::cubic ||
+                      options.method == FillMethod::quintic;
+  if (spline && !options.fill_rest) return;
+  warn(result, ctx,
+       "Gaps longer than --max-gap are filled, too, by " +
+           std::string(name_of(spline ? FillMethod::automatic : options.method)) +
+           ": the limit holds for linear, cubic and quintic, and leaves longer gaps open only with "
+           "--no-fill-rest.");
 }
 
 }  // namespace
@@ -94,6 +109,26 @@ void GapFillOptions::declare(ParameterSet& p) {
   p.flag("fill-rest", fill_rest, "fill by auto what the chosen method cannot fill");
 }
 
+void GapFillOptions::validate() const {
+  validate_options(*this);
+  const std::vector<std::string> changed = changed_parameters(*this);
+  const std::string by = "gaps are filled by " + std::string(name_of(method));
+  if (method != FillMethod::pattern) {
+    refuse_idle(changed, {"donor"}, by, "Add --fill pattern, or leave it out");
+  }
+  if (method != FillMethod::rigid) {
+    refuse_idle(changed, {"companion"}, by, "Add --fill rigid, or leave it out");
+  }
+  std::vector<std::string> distinct = companions;
+  std::ranges::sort(distinct);
+  distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
+  if (!companions.empty() && distinct.size() < 3) {
+    throw UsageError({.what = "a rigid body needs three companions at least, and " +
+                              count_of(distinct.size(), "marker is", "markers are") + " named",
+                      .remedy = "Name more with --companion, or none to have the six nearest"});
+  }
+}
+
 GapFillResult fill_gaps(const MarkerSequence& take, const GapFillOptions& options,
                         const RunContext& ctx) {
   options.validate();
@@ -110,6 +145,7 @@ GapFillResult fill_gaps(const MarkerSequence& take, const GapFillOptions& option
     for (const FrameRange frames : trajectories.gaps(m)) gaps.push_back({m, frames});
   }
   warn_of_lost(take, result, ctx);
+  warn_of_idle_limit(options, result, ctx);
   if (gaps.empty()) return result;
   result.take.add_uncertainty();
 
@@ -125,7 +161,8 @@ GapFillResult fill_gaps(const MarkerSequence& take, const GapFillOptions& option
     write(gaps[i], estimate, result.take);
     const double sum = std::accumulate(estimate.sd.begin(), estimate.sd.end(), 0.0);
     result.fills.push_back({gaps[i].marker, gaps[i].frames, filled[i].method,
-                            sum / static_cast<double>(estimate.sd.size())});
+                            sum / static_cast<double>(estimate.sd.size()),
+                            std::ranges::max(estimate.sd)});
   }
   return result;
 }

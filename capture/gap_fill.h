@@ -44,7 +44,9 @@ struct GapFillOptions {
   bool fill_rest = true;  ///< what the method cannot fill is filled by `automatic`; else it is left
 
   void declare(ParameterSet& p);
-  void validate() const { validate_options(*this); }
+  /// Throws UsageError, also for a donor or companions that the method does not use, and for
+  /// fewer than three companions.
+  void validate() const;
 };
 
 /// One gap that was filled.
@@ -53,6 +55,7 @@ struct Fill {
   FrameRange frames;
   FillMethod method = FillMethod::automatic;  ///< what filled it
   double mean_sd_mm = 0.0;                    ///< mean of its samples' uncertainty
+  double max_sd_mm = 0.0;                     ///< the largest of them
 };
 
 struct GapFillResult {

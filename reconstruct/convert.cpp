@@ -5,6 +5,7 @@
 #include <numeric>
 #include <set>
 
+#include "capture/idle_options.h"
 #include "config/error.h"
 #include "config/text.h"
 #include "reconstruct/named_constraints.h"
@@ -140,6 +141,11 @@ void ConvertOptions::declare(ParameterSet& p) {
 void ConvertOptions::validate() const {
   selection.validate();
   validate_options(*this);
+  gaps.validate();
+  if (!stabilise) {
+    refuse_idle(changed_parameters(head), {"rigid", "reference-frame"},
+                "the head's motion is not removed", "Add --stabilise, or leave it out");
+  }
 }
 
 ConvertResult convert_session(const MarkerSequence& session, const ConvertOptions& options,

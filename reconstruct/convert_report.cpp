@@ -136,36 +136,87 @@ std::string words_of(FillMethod method) {
   return {};
 }
 
-/// Worst markers first.
+/// A value per frame as a curve over the time (or the frame number, where the rate is not known).
+Series over_time(const AnimatedMesh& mesh, const std::string& label, Colour colour,
+                 std::vector<double> values) {
+  Series series{label, {}, std::move(values)};
+  series.colour = colour;
+  for (std::size_t f = 0; f < series.y.size(); ++f) {
+    series.x.push_back(mesh.rate_hz > 0
+                           ? mesh.time_s(f)
+                           : static_cast<double>(mesh.first_frame) + static_cast<double>(f));
+  }
+  return series;
+}
+
+Series over_time(const ConvertResult& result, const std::string& label, Colour colour,
+                 double (*value)(const FrameQuality&)) {
+  std::vector<double> values;
+  for (const FrameQuality& q : result.quality) values.push_back(value(q));
+  return over_time(result.animation, label, colour, std::move(values));
+}
+
+Axis time_axis(const ConvertResult& result) {
+  return result.animation.rate_hz > 0 ? Axis{.label = "time", .unit = "s"}
+                                      : Axis{.label = "frame", .integer = true};
+}
+
+LineChart uncertainty_chart(const ConvertResult& result) {
+  const AnimatedMesh& mesh = result.animation;
+  LineChart chart{.title = "Uncertainty of the estimated vertices",
+                  .x = time_axis(result),
+                  .y = {.label = "standard deviation", .unit = "mm", .from_zero = true}};
+  std::vector<double> mean;
+  const std::size_t vertices = mesh.vertex_count();
+  for (std::size_t i = 0; i < mesh.uncertainty().size(); i += vertices) {
+    double sum = 0.0;
+    double count = 0.0;
+    for (const float sd : mesh.uncertainty().subspan(i, vertices)) {
+      sum += double{sd};
+      count += sd > 0.0F ? 1.0 : 0.0;
+    }
+    mean.push_back(count > 0.0 ? sum / count : 0.0);
+  }
+  chart.series = {over_time(mesh, "largest", series_colour(0), largest_uncertainty(mesh)),
+                  over_time(mesh, "mean of those estimated", series_colour(1), std::move(mean))};
+  return chart;
+}
+
+/// Most uncertain markers first.
 Table gap_table(const ConvertResult& result, std::size_t most) {
   std::vector<const MarkerGaps*> worst;
   for (const MarkerGaps& gaps : result.gaps) {
     if (gaps.missing > 0) worst.push_back(&gaps);
   }
-  std::ranges::stable_sort(worst, std::greater{}, [](const MarkerGaps* g) { return g->missing; });
-  std::map<std::size_t, std::pair<double, std::string>> fills;  // largest uncertainty and methods
+  const auto most_uncertain = [&](const MarkerGaps* g) {
+    return std::pair(uncertainty_of(result, g->marker).max_mm, g->missing);
+  };
+  std::ranges::stable_sort(worst, std::greater{}, most_uncertain);
+  std::map<std::size_t, std::string> fills;  // methods
   for (const Fill& fill : result.fills) {
-    auto& [sd, methods] = fills[fill.marker];
-    sd = std::max(sd, fill.mean_sd_mm);
+    std::string& methods = fills[fill.marker];
     const std::string name = words_of(fill.method);
     if (methods.find(name) == std::string::npos) methods += (methods.empty() ? "" : ", ") + name;
   }
   Table table{"Markers with gaps (" + std::to_string(worst.size()) + ")",
               {{"marker"},
-               {"missing", true},
+               {"frames filled", true},
+               {"share", true},
                {"gaps", true},
                {"longest (s)", true},
                {"filled by"},
-               {"uncertainty (mm)", true}},
+               {"uncertainty, mean (mm)", true},
+               {"largest (mm)", true}},
               {},
               true};
   for (std::size_t i = 0; i < std::min(worst.size(), most); ++i) {
     const MarkerGaps& gaps = *worst[i];
-    const auto& [sd, methods] = fills[gaps.marker];
-    table.rows.push_back({result.markers[gaps.marker].label,
+    const FillUncertainty uncertainty = uncertainty_of(result, gaps.marker);
+    table.rows.push_back({result.markers[gaps.marker].label, std::to_string(uncertainty.frames),
                           format_fixed(gaps.missing_percent, 2) + " %",
                           std::to_string(gaps.gaps.size()), seconds_text(result, gaps.longest),
-                          methods, format_fixed(sd, 2)});
+                          fills[gaps.marker], format_fixed(uncertainty.mean_mm, 2),
+                          format_fixed(uncertainty.max_mm, 2)});
   }
   return table;
 }
@@ -185,27 +236,13 @@ void add_gaps(HtmlPage& page, const ConvertResult& result, std::size_t most) {
       gapped < all ? "The other " + count_of(all - gapped, "marker") + " were measured throughout."
                    : "",
       720.0});
+  const LineChart chart_of_mm = uncertainty_chart(result);
+  section.add(Figure{canvas_of(chart_of_mm, 1000.0, 240.0), chart_of_mm.title,
+                     "Standard deviation of one coordinate; 90 % of the true places are within "
+                     "2.5 times as much. Every file whose format has a place for it keeps the "
+                     "value of every vertex in every frame.",
+                     640.0});
   section.add(gap_table(result, most));
-}
-
-/// A value per frame as a curve over the time (or the frame number, where the rate is not known).
-Series over_time(const ConvertResult& result, const std::string& label, Colour colour,
-                 double (*value)(const FrameQuality&)) {
-  Series series{label, {}, {}};
-  series.colour = colour;
-  for (std::size_t f = 0; f < result.quality.size(); ++f) {
-    const AnimatedMesh& mesh = result.animation;
-    series.x.push_back(mesh.rate_hz > 0
-                           ? mesh.time_s(f)
-                           : static_cast<double>(mesh.first_frame) + static_cast<double>(f));
-    series.y.push_back(value(result.quality[f]));
-  }
-  return series;
-}
-
-Axis time_axis(const ConvertResult& result) {
-  return result.animation.rate_hz > 0 ? Axis{.label = "time", .unit = "s"}
-                                      : Axis{.label = "frame", .integer = true};
 }
 
 void add_quality(HtmlPage& page, const ConvertResult& result) {
@@ -236,6 +273,31 @@ void add_quality(HtmlPage& page, const ConvertResult& result) {
       "in the CSV file beside this report."});
   section.add(Figure{canvas_of(stretch, 1000.0, 260.0), stretch.title, "", 640.0});
   section.add(Figure{canvas_of(counts, 1000.0, 240.0), counts.title, "", 640.0});
+}
+
+/// How far the rigid markers are from their mean shape, frame by frame.
+void add_head(HtmlPage& page, const ConvertResult& result) {
+  if (result.head_poses.empty()) return;
+  LineChart chart{.title = "Error of the head's pose",
+                  .x = time_axis(result),
+                  .y = {.label = "RMS of the rigid markers", .unit = "mm", .from_zero = true},
+                  .levels = {{result.head_error_mm, "over the take"}}};
+  std::vector<double> errors;
+  std::size_t interpolated = 0;
+  for (const HeadPose& pose : result.head_poses) {
+    errors.push_back(pose.error_mm);
+    interpolated += pose.interpolated ? 1 : 0;
+  }
+  chart.series = {over_time(result.animation, "error", series_colour(0), std::move(errors))};
+  page.add_section("Head motion")
+      .add(KeyValues{{{"removed with", join(result.rigid, ", ")},
+                      {"error over the take", format_fixed(result.head_error_mm, 2) + " mm (RMS)"},
+                      {"frames between measured poses", std::to_string(interpolated)}}})
+      .add(Figure{canvas_of(chart, 1000.0, 240.0), chart.title,
+                  interpolated > 0 ? "The curve is interrupted where too few rigid markers were "
+                                     "seen: the pose is interpolated there."
+                                   : "",
+                  640.0});
 }
 
 void add_mesh(HtmlPage& page, const ConvertResult& result) {
@@ -304,6 +366,7 @@ std::string page_of(const MarkerSequence& session, const ConvertResult& result,
                      true});
   add_gaps(page, result, options.longest_list);
   add_quality(page, result);
+  add_head(page, result);
   add_session(page, session, result);
   add_mesh(page, result);
   add_origin(page, result, options.outputs);

@@ -1,6 +1,7 @@
 #include "reconstruct/convert_summary.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -69,13 +70,18 @@ Json gaps_json(const ConvertResult& result) {
           {{"first_frame", result.animation.first_frame + static_cast<int64_t>(fill.frames.begin)},
            {"frames", fill.frames.size()},
            {"method", name_of(fill.method)},
-           {"mean_sd_mm", fill.mean_sd_mm}});
+           {"mean_sd_mm", fill.mean_sd_mm},
+           {"max_sd_mm", fill.max_sd_mm}});
     }
+    const FillUncertainty uncertainty = uncertainty_of(result, v);
     list.push_back({{"label", result.markers[v].label},
                     {"subject", result.markers[v].subject},
                     {"missing_percent", gaps.missing_percent},
                     {"gaps", gaps.gaps.size()},
                     {"longest_gap_s", seconds(result, gaps.longest)},
+                    {"filled_frames", uncertainty.frames},
+                    {"mean_uncertainty_mm", uncertainty.mean_mm},
+                    {"max_uncertainty_mm", uncertainty.max_mm},
                     {"fills", std::move(fills)}});
   }
   return list;
@@ -264,6 +270,18 @@ void doubt_forced_openings(const ConvertResult& result, std::vector<std::string>
 
 }  // namespace
 
+FillUncertainty uncertainty_of(const ConvertResult& result, std::size_t vertex) {
+  FillUncertainty sum;
+  for (const Fill& fill : result.fills) {
+    if (fill.marker != vertex) continue;
+    sum.frames += fill.frames.size();
+    sum.mean_mm += fill.mean_sd_mm * static_cast<double>(fill.frames.size());
+    sum.max_mm = std::max(sum.max_mm, fill.max_sd_mm);
+  }
+  if (sum.frames > 0) sum.mean_mm /= static_cast<double>(sum.frames);
+  return sum;
+}
+
 std::vector<std::string> doubts_of(const ConvertResult& result) {
   std::vector<std::string> doubts = result.warnings;
   doubt_blind_stretches(result, doubts);
@@ -356,16 +374,31 @@ std::string summary_json(const MarkerSequence& session, const ConvertResult& res
 }
 
 std::string quality_csv(const ConvertResult& result) {
-  std::string text = "frame,time_s,flipped,degenerate,stretch_min,stretch_max,stretch_rms,filled\n";
+  const std::vector<double> uncertainty = largest_uncertainty(result.animation);
+  std::string text =
+      "frame,time_s,flipped,degenerate,stretch_min,stretch_max,stretch_rms,filled,"
+      "uncertainty_max_mm,head_error_mm\n";
   for (std::size_t f = 0; f < result.quality.size(); ++f) {
     const FrameQuality& q = result.quality[f];
     text += std::to_string(result.animation.first_frame + static_cast<int64_t>(f)) + "," +
             format_number(result.animation.time_s(f)) + "," + std::to_string(q.flipped) + "," +
             std::to_string(q.degenerate) + "," + format_fixed(q.stretch_min, 4) + "," +
             format_fixed(q.stretch_max, 4) + "," + format_fixed(q.stretch_rms, 4) + "," +
-            std::to_string(q.filled) + "\n";
+            std::to_string(q.filled) + "," +
+            (uncertainty.empty() ? "0" : format_fixed(uncertainty[f], 4)) + ",";
+    const bool head = !result.head_poses.empty() && !std::isnan(result.head_poses[f].error_mm);
+    text += (head ? format_fixed(result.head_poses[f].error_mm, 4) : "") + "\n";
   }
   return text;
+}
+
+std::vector<double> largest_uncertainty(const AnimatedMesh& mesh) {
+  std::vector<double> largest;
+  const std::size_t vertices = mesh.vertex_count();
+  for (std::size_t i = 0; i < mesh.uncertainty().size(); i += vertices) {
+    largest.push_back(std::ranges::max(mesh.uncertainty().subspan(i, vertices)));
+  }
+  return largest;
 }
 
 GapChart gap_chart_of(const ConvertResult& result) {

@@ -26,7 +26,19 @@ std::string summary_text(const MarkerSequence& session, const ConvertResult& res
 std::string summary_json(const MarkerSequence& session, const ConvertResult& result,
                          const WrittenMesh& written);
 
-/// CSV: frame, time_s, flipped, degenerate, stretch_min, stretch_max, stretch_rms, filled.
+/// How uncertain the filled samples of a vertex are: standard deviation of one coordinate, mm.
+struct FillUncertainty {
+  std::size_t frames = 0;  ///< filled
+  double mean_mm = 0.0;    ///< over these
+  double max_mm = 0.0;
+};
+FillUncertainty uncertainty_of(const ConvertResult& result, std::size_t vertex);
+
+/// Per frame the largest uncertainty of its vertices, mm; empty when nothing is filled.
+std::vector<double> largest_uncertainty(const AnimatedMesh& mesh);
+
+/// CSV: frame, time_s, flipped, degenerate, stretch_min, stretch_max, stretch_rms, filled,
+/// uncertainty_max_mm, head_error_mm (empty where the head's pose was not measured).
 std::string quality_csv(const ConvertResult& result);
 
 /// When which marker was missing, and how it was filled.

@@ -76,8 +76,16 @@ class Swap : public EditOperation {
   }
   std::string apply(MarkerSequence& take, const EditContext& context) const override {
     (void)context;
+    if (a_.empty() || b_.empty()) {
+      throw UsageError({.what = "'a' and 'b' say which markers to swap, and one is missing"});
+    }
     const std::size_t a = marker_named(take, a_);
     const std::size_t b = marker_named(take, b_);
+    if (a == b) {
+      throw UsageError({.what = "'a' and 'b' are the same marker, '" + a_ + "'",
+                        .marker = a_,
+                        .remedy = "Name two markers, or take the step out"});
+    }
     const FrameSpan span = frames_between(take, from_, to_);
     swap_samples(take, a, b, span);
     return "swapped " + a_ + " and " + b_ + span_text(take, span);
@@ -111,6 +119,10 @@ class Delete : public EditOperation {
     std::string text = "deleted " + what + span_text(take, span);
     if (!idle.empty()) text += "; nothing is called " + join(idle, ", ", " or ");
     if (span.begin == 0 && span.end == take.frame_count()) {
+      if (kept.empty()) {
+        throw UsageError({.what = "nothing would be left: every marker of the take is deleted",
+                          .remedy = "Narrow the patterns, or give frames with 'from' and 'to'"});
+      }
       drop_columns(take, kept);
       return text;
     }

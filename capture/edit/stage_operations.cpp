@@ -14,6 +14,40 @@
 namespace kinemesh {
 namespace {
 
+/// Standard deviation in mm from which on an estimate is to be looked at.
+constexpr double rough_mm = 1.0;
+
+std::string gap_text(const GapFillResult& filled, const Fill& fill) {
+  const int64_t first = filled.take.first_frame + static_cast<int64_t>(fill.frames.begin);
+  return filled.take.markers()[fill.marker].label + ", frames " + std::to_string(first) + " to " +
+         std::to_string(first + static_cast<int64_t>(fill.frames.size()) - 1);
+}
+
+/// ", uncertain by 0.12 mm on average, by 0.9 mm at most (LCHK04, frames 12 to 30)"
+std::string uncertainty_text(const GapFillResult& filled, std::size_t samples) {
+  double sum = 0.0;
+  for (const Fill& fill : filled.fills) {
+    sum += fill.mean_sd_mm * static_cast<double>(fill.frames.size());
+  }
+  const Fill& worst = *std::ranges::max_element(filled.fills, {}, &Fill::max_sd_mm);
+  return ", uncertain by " + format_fixed(sum / static_cast<double>(samples), 2) +
+         " mm on average, by " + format_fixed(worst.max_sd_mm, 2) + " mm at most (" +
+         gap_text(filled, worst) + ")";
+}
+
+void warn_of_rough(const GapFillResult& filled, const RunContext& run) {
+  std::vector<const Fill*> rough;
+  for (const Fill& fill : filled.fills) {
+    if (fill.mean_sd_mm > rough_mm) rough.push_back(&fill);
+  }
+  if (rough.empty()) return;
+  const Fill& worst = **std::ranges::max_element(rough, {}, &Fill::mean_sd_mm);
+  run.warn(count_of(rough.size(), "gap is", "gaps are") + " uncertain by more than " +
+           format_number(rough_mm) + " mm, the worst by " + format_fixed(worst.mean_sd_mm, 1) +
+           " mm (" + gap_text(filled, worst) +
+           "): look at the picture (--picture) before you use it");
+}
+
 class FillGaps : public EditOperation {
  public:
   std::string_view name() const override { return "fill"; }
@@ -34,6 +68,8 @@ class FillGaps : public EditOperation {
     }
     std::string text =
         "filled " + count_of(filled.fills.size(), "gap") + " (" + count_of(samples, "sample") + ")";
+    if (!filled.fills.empty()) text += uncertainty_text(filled, samples);
+    warn_of_rough(filled, context.run);
     if (!filled.never_valid.empty()) {
       text +=
           "; " + count_of(filled.never_valid.size(), "marker") + " without any measurement left";

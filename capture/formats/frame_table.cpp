@@ -165,6 +165,10 @@ class TableReader {
       if (valid == 2) take.flags()[sample] |= SampleFlag::filled;
       take.residuals()[sample] =
           static_cast<float>(optional_cell(line, point.residual, 0.0, point.marker));
+      if (point.uncertainty == none) continue;
+      take.add_uncertainty();
+      take.uncertainty()[sample] =
+          static_cast<float>(optional_cell(line, point.uncertainty, 0.0, point.marker));
     }
   }
 

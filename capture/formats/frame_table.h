@@ -24,8 +24,9 @@ struct PointColumns {
   static constexpr std::size_t none = static_cast<std::size_t>(-1);
   Marker marker;
   std::array<std::size_t, 3> xyz{};
-  std::size_t valid = none;     ///< 0 no data, 1 measured, 2 estimated
-  std::size_t residual = none;  ///< mm
+  std::size_t valid = none;        ///< 0 no data, 1 measured, 2 estimated
+  std::size_t residual = none;     ///< mm
+  std::size_t uncertainty = none;  ///< mm; of estimated samples
 };
 
 /// Which part of a text is the table, and how to read it.

@@ -86,6 +86,13 @@ MeshData points_of(const MarkerSequence& take, const std::string& file) {
     data.warnings.emplace_back(
         "no point has a label; 'kinemesh c3d process --template' gives them");
   }
+  if (!take.uncertainty().empty()) {
+    data.uncertainty = Buffer<float>(take.frame_count() * chosen.size());
+    for (std::size_t i = 0; i < data.uncertainty.size(); ++i) {
+      data.uncertainty[i] =
+          take.uncertainty()[take.sample(i / chosen.size(), chosen[i % chosen.size()])];
+    }
+  }
   if (never_seen > 0) {
     data.warnings.push_back(count_of(never_seen, "marker") + " never measured, left out");
   }
@@ -185,7 +192,8 @@ void add_capture_formats(FormatRegistry& formats) {
                             .rate = true,
                             .first_frame = true,
                             .events = true,
-                            .filled = true},
+                            .filled = true,
+                            .uncertainty = true},
                            write_csv_points));
 }
 

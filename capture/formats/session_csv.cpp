@@ -35,7 +35,8 @@ std::optional<MarkerKind> kind_from_name(std::string_view word) {
 
 class Writer {
  public:
-  Writer(const MarkerSequence& take, OutputFile& file) : take_(take), file_(file) {}
+  Writer(const MarkerSequence& take, OutputFile& file)
+      : take_(take), file_(file), uncertain_(!take.uncertainty().empty()) {}
 
   void write(const RunContext& ctx) {
     write_comments();
@@ -69,6 +70,7 @@ class Writer {
       for (const char* part : {".x", ".y", ".z", ".valid", ".residual"}) {
         row_ += "," + quote_cell(name_in_table(m) + part, ',');
       }
+      if (uncertain_) row_ += "," + quote_cell(name_in_table(m) + ".uncertainty", ',');
     }
     file_.write(row_ + "\n");
   }
@@ -79,12 +81,18 @@ class Writer {
            format_number(take_.rate_hz > 0 ? static_cast<double>(frame - 1) / take_.rate_hz : 0.0);
     for (std::size_t m = 0; m < take_.marker_count(); ++m) {
       if (!take_.valid(f, m)) {
-        row_ += ",,,,0,";
+        row_ += uncertain_ ? ",,,,0,," : ",,,,0,";
         continue;
       }
       for (int k = 0; k < 3; ++k) add(take_.position(f, m)[k]);
       row_ += take_.filled(f, m) ? ",2" : ",1";
-      add(take_.residuals()[take_.sample(f, m)]);
+      const std::size_t sample = take_.sample(f, m);
+      add(take_.residuals()[sample]);
+      if (uncertain_ && take_.filled(f, m)) {
+        add(take_.uncertainty()[sample]);
+      } else if (uncertain_) {
+        row_ += ',';
+      }
     }
     file_.write(row_ += '\n');
   }
@@ -93,6 +101,7 @@ class Writer {
 
   const MarkerSequence& take_;
   OutputFile& file_;
+  bool uncertain_;
   std::string row_;
 };
 
@@ -177,6 +186,8 @@ std::vector<PointColumns> find_points(const TableText& text, Comments& comments,
         point.valid = c;
       } else if (names[c] == name + ".residual") {
         point.residual = c;
+      } else if (names[c] == name + ".uncertainty") {
+        point.uncertainty = c;
       } else {
         break;
       }

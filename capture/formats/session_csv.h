@@ -6,6 +6,8 @@
 //   # event,LABEL,CONTEXT,SUBJECT,TIME_S
 //   # marker,NAME,SUBJECT,LABEL,KIND,UNIT     (only where NAME alone does not say it)
 //   frame,time_s,NAME.x,NAME.y,NAME.z,NAME.valid,NAME.residual,…
+//
+// Where samples are estimated, NAME.uncertainty (standard deviation, mm) follows NAME.residual.
 #pragma once
 
 #include <string_view>

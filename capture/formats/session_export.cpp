@@ -169,6 +169,17 @@ void write_json(const MarkerSequence& take, OutputFile& file, const RunContext& 
     }
     text += ']';
   });
+  if (!take.uncertainty().empty()) {
+    write_rows(file, "uncertainties", take.frame_count(), ctx,
+               [&](std::size_t f, std::string& text) {
+                 text += '[';
+                 for (std::size_t m = 0; m < markers; ++m) {
+                   if (m > 0) text += ',';
+                   append_finite(text, take.uncertainty()[take.sample(f, m)], "null");
+                 }
+                 text += ']';
+               });
+  }
   nlohmann::ordered_json analog = {{"rate_hz", take.analog.rate_hz},
                                    {"channels", nlohmann::ordered_json::array()}};
   for (const AnalogData::Channel& c : take.analog.channels) {
@@ -212,6 +223,9 @@ void export_npz(const MarkerSequence& take, const fs::path& path) {
   npz.add("positions", {frames, markers, 3}, std::span<const float>(positions));
   npz.add("valid", {frames, markers}, std::span<const uint8_t>(valid));
   npz.add("residuals", {frames, markers}, take.residuals());
+  if (!take.uncertainty().empty()) {
+    npz.add("uncertainties", {frames, markers}, take.uncertainty());
+  }
   npz.add("camera_masks", {frames, markers}, take.camera_masks());
   npz.add("times_s", {frames}, std::span<const double>(times));
   npz.add("labels", texts_of(take.markers(), &Marker::label));
@@ -247,6 +261,8 @@ void list_left_out(const MarkerSequence& take, ExportFormat format, SessionExpor
   const auto not_zero = [](auto value) { return value != 0; };
   if (format == ExportFormat::trc && std::ranges::any_of(take.residuals(), not_zero))
     result.left_out.emplace_back("residuals");
+  if (format == ExportFormat::trc && !take.uncertainty().empty())
+    result.left_out.emplace_back("the uncertainty of filled samples");
   if (format != ExportFormat::npz && std::ranges::any_of(take.camera_masks(), not_zero))
     result.left_out.emplace_back("camera masks");
   if (format != ExportFormat::trc) return;

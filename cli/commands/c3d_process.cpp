@@ -4,14 +4,15 @@
 #include "capture/c3d/point_table.h"
 #include "capture/c3d/writer.h"
 #include "capture/clean.h"
+#include "capture/clean_picture.h"
 #include "capture/edit_list.h"
 #include "capture/formats/session_export.h"
-#include "capture/gaps.h"
+#include "capture/idle_options.h"
 #include "capture/session.h"
 #include "cli/commands/commands.h"
 #include "config/output_file.h"
 #include "config/text.h"
-#include "report/gap_chart.h"
+#include "report/gap_chart.h"  // png_scale
 #include "report/image.h"
 
 namespace kinemesh::cli {
@@ -37,36 +38,18 @@ struct Arguments {
 
 bool is_c3d(const fs::path& path) { return lower(path.extension().string()) == ".c3d"; }
 
-/// What a person sees of a cleaned session: gaps as recorded, and what became of them.
-Canvas draw_cleaning(const MarkerSequence& before, const MarkerSequence& after,
-                     const std::string& title) {
-  GapChart chart;
-  chart.title = title;
-  chart.frame_count = after.frame_count();
-  chart.rate_hz = after.rate_hz;
-  chart.first_frame = after.first_frame;
-  const bool same_time = before.frame_count() == after.frame_count();
-  for (std::size_t m = 0; m < after.marker_count(); ++m) {
-    const Marker& marker = after.markers()[m];
-    if (marker.kind != MarkerKind::marker) continue;
-    GapChart::Row row{marker.label, {}};
-    const std::size_t was = before.find(marker.label);
-    for (const FrameRange gap : find_gaps(after, m).gaps) {
-      // Frames of one gap differ: filled, left open, or a spike that was taken out.
-      for (std::size_t f = gap.begin; f < gap.end;) {
-        const auto kind_at = [&](std::size_t k) -> std::size_t {
-          if (!after.valid(k, m)) return 0;
-          return same_time && was != MarkerSequence::npos && before.valid(k, was) ? 3 : 2;
-        };
-        GapInterval interval{f, f, kind_at(f)};
-        while (interval.end < gap.end && kind_at(interval.end) == interval.kind) ++interval.end;
-        row.gaps.push_back(interval);
-        f = interval.end;
-      }
-    }
-    chart.markers.push_back(std::move(row));
-  }
-  return draw_gap_chart(chart);
+/// A list of edits is all that is done: beside it, an option of cleaning would be ignored.
+void refuse_beside_edits(const Arguments& args) {
+  if (args.edits.empty()) return;
+  std::vector<std::string> idle;
+  for (const std::string& name : changed_parameters(args.clean)) idle.push_back("--" + name);
+  if (!args.record.empty()) idle.emplace_back("--record");
+  if (idle.empty()) return;
+  throw UsageError({.what = "--edits applies its steps and nothing else: " + join(idle, ", ") +
+                            " would do nothing",
+                    .remedy = "Write such a step into " + args.edits +
+                              " (do = \"fill\", \"filter\", "
+                              "\"stabilise\", …), or leave out one of the two"});
 }
 
 /// Writes the take in the format of the extension; says what it cannot hold.
@@ -86,6 +69,7 @@ void write_take(const Arguments& args, const MarkerSequence& take, Terminal& ter
 
 ExitCode process(Arguments& args, Terminal& terminal) {
   if (!is_c3d(args.output)) export_format_of(args.output);  // said before the work is done
+  refuse_beside_edits(args);
   EditList steps;
   if (!args.edits.empty()) steps = read_edits(args.edits);
   if (args.record.empty() && args.edits.empty()) args.record = args.output + ".edits.toml";
@@ -116,7 +100,8 @@ ExitCode process(Arguments& args, Terminal& terminal) {
   }
   if (args.picture) {
     outputs.push_back(picture);
-    const Canvas canvas = draw_cleaning(take, result.take, fs::path(args.file).filename().string());
+    const Canvas canvas = draw_cleaning(take, result.take, result.edits,
+                                        fs::path(args.file).filename().string(), terminal.run);
     write_file(outputs.back(), encode_png(canvas.raster(png_scale(canvas))));
   }
   std::string text;

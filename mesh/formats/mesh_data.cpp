@@ -60,6 +60,19 @@ void expand_runs(MeshData& data) {
   }
 }
 
+/// After lengths were scaled: the runs are in mm.
+void expand_uncertainty(MeshData& data) {
+  if (!data.uncertainty_runs || !data.uncertainty.empty()) return;
+  data.uncertainty = Buffer<float>(data.frame_count * data.vertex_count, 0.0F);
+  for (const UncertaintyRun& run : *data.uncertainty_runs) {
+    if (run.vertex >= data.vertex_count || run.first >= data.frame_count) continue;
+    const std::size_t count = std::min(run.mm.size(), data.frame_count - run.first);
+    for (std::size_t i = 0; i < count; ++i) {
+      data.uncertainty[(run.first + i) * data.vertex_count + run.vertex] = run.mm[i];
+    }
+  }
+}
+
 /// Scales lengths to mm and drops faces that repeat a vertex.
 void settle(MeshData& data, const ReadOptions& options, const std::string& file,
             const RunContext& ctx) {
@@ -74,6 +87,7 @@ void settle(MeshData& data, const ReadOptions& options, const std::string& file,
   scale(data.uncertainty.span(), factor);
   require_finite(data, file);
   expand_runs(data);
+  expand_uncertainty(data);
   const std::size_t before = data.faces.size();
   std::erase_if(data.faces,
                 [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });

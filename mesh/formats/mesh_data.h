@@ -19,6 +19,12 @@ struct FilledRun {
   std::size_t vertex = 0, first = 0, last = 0;
 };
 
+/// Standard deviations in mm of a vertex from frame `first` (0-based) on, one a frame.
+struct UncertaintyRun {
+  std::size_t vertex = 0, first = 0;
+  std::vector<float> mm;
+};
+
 struct MeshData {
   std::size_t vertex_count = 0;
   std::size_t frame_count = 1;
@@ -28,6 +34,8 @@ struct MeshData {
   Buffer<float> uncertainty;    ///< empty, or frames × vertices, in `unit`
   /// Another way to say which samples are filled; used when `filled` is empty.
   std::optional<std::vector<FilledRun>> filled_runs;
+  /// Another way to say how uncertain samples are; used when `uncertainty` is empty. 0 elsewhere.
+  std::optional<std::vector<UncertaintyRun>> uncertainty_runs;
   std::optional<LengthUnit> unit;  ///< empty when the file does not say
   double rate_hz = 0.0;            ///< 0 when the file does not say
   std::optional<int64_t> first_frame;

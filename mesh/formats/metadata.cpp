@@ -111,6 +111,26 @@ void add_filled_runs(const AnimatedMesh& mesh, std::vector<std::string>& lines) 
   }
 }
 
+void add_uncertainty(const AnimatedMesh& mesh, double to_mm, std::vector<std::string>& lines) {
+  const std::size_t vertices = mesh.vertex_count();
+  const auto sd = mesh.uncertainty();
+  lines.emplace_back("kinemesh uncertainty_known");
+  for (std::size_t v = 0; v < vertices; ++v) {
+    std::string line;
+    for (std::size_t f = 0; f < mesh.frame_count(); ++f) {
+      const float value = sd[f * vertices + v];
+      if (value > 0.0F) {
+        if (line.empty()) line = std::to_string(v) + " " + std::to_string(f);
+        append_number(line += ' ', static_cast<float>(to_mm * value));
+      }
+      const bool ends = !(value > 0.0F) || f + 1 == mesh.frame_count();
+      if (line.empty() || (!ends && line.size() < longest_piece)) continue;
+      lines.push_back("kinemesh uncertainty " + line);
+      line.clear();
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> metadata_lines(const AnimatedMesh& mesh, std::size_t frame,
@@ -131,6 +151,7 @@ std::vector<std::string> metadata_lines(const AnimatedMesh& mesh, std::size_t fr
     add_provenance(mesh.provenance, lines);
   }
   if (choice.filled_runs && !mesh.filled().empty()) add_filled_runs(mesh, lines);
+  if (choice.uncertainty && !mesh.uncertainty().empty()) add_uncertainty(mesh, choice.to_mm, lines);
   return lines;
 }
 
@@ -144,12 +165,24 @@ std::string* MetadataReader::provenance_text(std::string_view key) {
                             : nullptr;
 }
 
+void MetadataReader::read_uncertainty(const std::vector<std::string>& words) {
+  UncertaintyRun run;
+  if (words.size() < 4 || !parse(words[1], run.vertex) || !parse(words[2], run.first)) return;
+  for (std::size_t i = 3; i < words.size(); ++i) {
+    float mm = 0.0F;
+    if (!parse(words[i], mm) || !(mm >= 0.0F && mm <= 1e9F)) return;
+    run.mm.push_back(mm);
+  }
+  found_.uncertainty_runs->push_back(std::move(run));
+}
+
 void MetadataReader::read(std::string_view line) {
   if (!line.starts_with("kinemesh ")) return;
   const std::vector<std::string> words = words_of(line.substr(9));
   if (words.empty()) return;
   const std::string& key = words[0];
   if (key == "filled_known" && !found_.filled_runs) found_.filled_runs.emplace();
+  if (key == "uncertainty_known" && !found_.uncertainty_runs) found_.uncertainty_runs.emplace();
   if (words.size() < 2) return;
   const std::string& value = words[1];
   int64_t integer = 0;
@@ -169,6 +202,8 @@ void MetadataReader::read(std::string_view line) {
     found_.provenance.inputs.push_back({value, words[2]});
   } else if (std::string* text = provenance_text(key)) {
     key.ends_with('+') ? text->append(value) : text->assign(value);
+  } else if (key == "uncertainty" && found_.uncertainty_runs) {
+    read_uncertainty(words);
   } else if (key == "filled" && found_.filled_runs && parse(value, vertex)) {
     for (std::size_t i = 2; i < words.size(); ++i) {
       const std::size_t dash = words[i].find('-');
@@ -195,6 +230,7 @@ void MetadataReader::apply(MeshData& data) const {
     }
   }
   if (found_.filled_runs) data.filled_runs = found_.filled_runs;
+  if (found_.uncertainty_runs) data.uncertainty_runs = found_.uncertainty_runs;
 }
 
 }  // namespace kinemesh

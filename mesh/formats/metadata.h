@@ -6,6 +6,7 @@
 //   kinemesh vertex_name 0 "LFHD"
 //   kinemesh event 1.25 "Foot Strike" "Left" "Anna"
 //   kinemesh filled 17 12-30 44-44        (vertex, then runs of 0-based frames of this file)
+//   kinemesh uncertainty 17 12 0.21 0.3   (vertex, first frame, standard deviations in mm)
 //   kinemesh program "kinemesh 0.1.0"     (and command, options, source)
 //   kinemesh options+ "max-gap = 0.1\n"   (a long text goes on: lines stay below 1,000 bytes)
 //   kinemesh input "session.c3d" "9f86d0…"
@@ -27,6 +28,8 @@ namespace kinemesh {
 struct MetadataChoice {
   bool description = true;  ///< names, events, provenance: in the first file of a sequence
   bool filled_runs = false;
+  bool uncertainty = false;  ///< of all frames
+  double to_mm = 1.0;        ///< what the mesh's uncertainty is multiplied with
 };
 
 /// The lines without a line end, for frame `frame` and those that follow it.
@@ -46,6 +49,7 @@ class MetadataReader {
  private:
   /// The text that `key` ("options", "options+") names, or null.
   std::string* provenance_text(std::string_view key);
+  void read_uncertainty(const std::vector<std::string>& words);
 
   MeshData found_;
   std::vector<std::pair<std::size_t, std::string>> names_;

@@ -177,7 +177,11 @@ void add_geometry(const AnimatedMesh& mesh, const fs::path& path, const WriteOpt
                   OutputSet& files) {
   fs::path beside = path;
   beside.replace_extension(".ply");
-  files.add(beside, encode_ply(mesh, 0, options, {.description = true, .filled_runs = true}));
+  files.add(beside, encode_ply(mesh, 0, options,
+                               {.description = true,
+                                .filled_runs = true,
+                                .uncertainty = true,
+                                .to_mm = millimetres_per(options.unit)}));
 }
 
 WriteReport write_pc2(const AnimatedMesh& mesh, const fs::path& path, const WriteOptions& options,
@@ -225,7 +229,7 @@ WriteReport write_mdd(const AnimatedMesh& mesh, const fs::path& path, const Writ
 
 Format point_cache_format(std::string name, std::string extension, std::string description) {
   Format format = make_format(std::move(name), std::move(extension), std::move(description),
-                              Keeps::description_and_filled(), "every float");
+                              Keeps::everything(), "every float");
   format.geometry_extensions = geometry_extensions;
   return format;
 }

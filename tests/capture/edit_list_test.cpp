@@ -267,6 +267,9 @@ TEST(EditList, SaysWhatIsWrongAndWhere) {
   says("[[edit]]\ndo = \"crop\"\nfrom = 0.5\n", "from");
   says("[[edit]]\ndo = \"crop\"\nfrom = 30\nto = 41\n", "edit 1 (crop)");
   says("[[edit]]\ndo = \"swap\"\na = \"M1\"\nb = \"M9\"\n", "M9");
+  says("[[edit]]\ndo = \"swap\"\na = \"M1\"\nb = \"M1\"\n", "same marker");
+  says("[[edit]]\ndo = \"swap\"\na = \"M1\"\n", "one is missing");
+  says("[[edit]]\ndo = \"delete\"\nmarkers = [\"*\"]\n", "nothing would be left");
   says("[[edit]]\ndo = \"rename\"\nmarker = \"M1\"\nto = \"M2\"\n", "already has");
   says("[[edit]]\ndo = \"axes\"\n", "which axis is up");
   says("[[edit]]\ndo = \"add-event\"\nlabel = \"late\"\ntime = 3\n", "lasts from 0.000 to 0.390 s");

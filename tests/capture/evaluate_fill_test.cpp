@@ -4,7 +4,9 @@
 
 #include <cmath>
 
+#include "capture/session.h"
 #include "config/error.h"
+#include "tests/support/data.h"
 
 namespace kinemesh {
 namespace {
@@ -57,6 +59,17 @@ TEST(EvaluateFill, TheSeedAloneDecides) {
   EXPECT_EQ(a.scores[0].median_mm, b.scores[0].median_mm);
   EXPECT_EQ(a.scores[1].median_mm, b.scores[1].median_mm);
   EXPECT_NE(a.scores[0].median_mm, c.scores[0].median_mm);
+}
+
+TEST(EvaluateFill, ExchangedLabelsDoNotStandForTheTruth) {
+  const MarkerSequence take = read_session(test::sample_folder() / "ben_surprise.c3d");
+  const EvaluateFillOptions options{.trials = 1, .methods = {"linear"}};
+  const auto result = evaluate_fill(take, options);
+  ASSERT_FALSE(result.repaired.empty());
+  EXPECT_NE(result.repaired.front().find("RCHN01"), std::string::npos);
+  EXPECT_NE(evaluate_fill_text(result).find("first: exchanged"), std::string::npos);
+  EXPECT_TRUE(
+      evaluate_fill(take, {.trials = 1, .repair = false, .methods = {"linear"}}).repaired.empty());
 }
 
 TEST(EvaluateFill, SaysWhatIsImpossible) {

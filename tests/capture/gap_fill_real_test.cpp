@@ -47,6 +47,39 @@ TEST(GapFillOnFaces, AutoIsAccurateAndItsBandHonest) {
   }
 }
 
+/// Bounds of the medians at 0.25, 0.5, 1 and 2 s, and of the band, on one take.
+void expect_accurate(const MarkerSequence& take, double noise_mm,
+                     const std::vector<std::pair<double, double>>& bounds) {
+  double within = 0.0;
+  double weights = 0.0;
+  for (const auto& [gap_s, bound] : bounds) {
+    const auto result = evaluate_fill(
+        take, {.gap_s = gap_s, .trials = 8, .noise_mm = noise_mm, .methods = {"auto"}});
+    EXPECT_LE(result.scores[0].median_mm, bound) << gap_s;
+    within += gap_s * result.scores[0].within_band_percent;
+    weights += gap_s;
+  }
+  EXPECT_GE(within / weights, 85.0);
+  EXPECT_LE(within / weights, 95.0);
+}
+
+class GapFillOn : public testing::TestWithParam<const char*> {};
+
+TEST_P(GapFillOn, EveryLengthIsAccurateAndTheBandNeitherTooNarrowNorTooWide) {
+  KINEMESH_NEED_DATA(GetParam());
+  expect_accurate(read_session(test::data_folder() / GetParam()), 0.0,
+                  {{0.25, 0.20}, {0.5, 0.40}, {1.0, 0.60}, {2.0, 0.80}});
+}
+
+TEST_P(GapFillOn, NoiseIsNotTakenForMotion) {
+  KINEMESH_NEED_DATA(GetParam());
+  expect_accurate(read_session(test::data_folder() / GetParam()), 0.2,
+                  {{0.25, 0.35}, {0.5, 0.45}, {1.0, 0.60}, {2.0, 0.80}});
+}
+
+INSTANTIATE_TEST_SUITE_P(AnimFace, GapFillOn,
+                         testing::Values(jaw, "c3d_face/AnimFace-Eyebrows.c3d"));
+
 TEST(GapFillOnFaces, WorksWhenHalfOfAMarkerIsMissing) {
   KINEMESH_NEED_DATA(jaw);
   const MarkerSequence truth = jaw_take();

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include "capture/fill/spline.h"
 #include "config/error.h"
@@ -140,6 +141,40 @@ TEST(GapFill, NotFiniteCountsAsMissing) {
   ASSERT_EQ(result.fills.size(), 1U);
   EXPECT_TRUE(result.take.filled(30, 2));
   EXPECT_LT(rms_error(result.take, 2, {30, 31}), 0.05);
+}
+
+TEST(GapFill, WhatHappensOnceOnlyIsTakenFromTheSurroundings) {
+  // A sheet of markers that rests, but for one bulge, which comes and goes inside the gap.
+  constexpr std::size_t side = 5, frames = 300;
+  std::vector<Marker> names(side * side);
+  for (std::size_t m = 0; m < names.size(); ++m) names[m].label = "m" + std::to_string(m);
+  MarkerSequence sheet(frames, names, 100.0);
+  std::ranges::fill(sheet.flags(), SampleFlag::valid);
+  std::ranges::fill(sheet.residuals(), 0.0F);
+  std::ranges::fill(sheet.camera_masks(), uint8_t{0});
+  std::mt19937 random(5);
+  std::normal_distribution<float> noise(0.0F, 0.05F);
+  for (std::size_t f = 0; f < frames; ++f) {
+    const double t = (static_cast<double>(f) - 150.0) / 20.0;
+    for (std::size_t m = 0; m < names.size(); ++m) {
+      const Eigen::Vector3d rest(10.0 * static_cast<double>(m % side),
+                                 10.0 * static_cast<double>(m / side), 0.0);
+      const double near = (rest - Eigen::Vector3d(15.0, 25.0, 0.0)).squaredNorm() / 900.0;
+      sheet.position(f, m) =
+          (rest + Eigen::Vector3d(0.0, 0.0, 8.0 * std::exp(-t * t - near))).cast<float>() +
+          Eigen::Vector3f(noise(random), noise(random), noise(random));
+    }
+  }
+  MarkerSequence take = sheet;
+  constexpr std::size_t marker = 12;
+  for (std::size_t f = 80; f < 220; ++f) take.flags()[take.sample(f, marker)] = 0;
+  const GapFillResult result = fill_gaps(take);
+  double worst = 0.0;
+  for (std::size_t f = 80; f < 220; ++f) {
+    worst = std::max(worst,
+                     double{(result.take.position(f, marker) - sheet.position(f, marker)).norm()});
+  }
+  EXPECT_LT(worst, 1.5);  // of 8 mm
 }
 
 TEST(GapFill, NeverSeesTheSamplesThatWereRemoved) {

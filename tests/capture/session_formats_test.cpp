@@ -91,6 +91,19 @@ TEST(SessionCsv, ComesBackValueByValue) {
             "time_s,label,context,subject\n0.39,\"Smile, broad\",General,Anna\n0.4,End,,\n");
 }
 
+TEST(SessionCsv, KeepsTheUncertaintyOfEstimatedSamples) {
+  const test::TemporaryFolder folder;
+  MarkerSequence take = sample_take();
+  take.add_uncertainty();
+  take.uncertainty()[take.sample(3, 1)] = 0.7F;
+  const SessionExportResult out = export_session(take, folder.path() / "take.csv");
+  const MarkerSequence back = read_session_csv(TableText(read_file(out.files[0]), "take.csv"));
+  expect_same_points(take, back);
+  EXPECT_TRUE(std::ranges::equal(take.uncertainty(), back.uncertainty()));
+  const SessionExportResult trc = export_session(take, folder.path() / "take.trc");
+  EXPECT_TRUE(std::ranges::count(trc.left_out, "the uncertainty of filled samples") == 1);
+}
+
 TEST(SessionCsv, ReadsWhatASpreadsheetSavedAgain) {
   const TableText text(
       "\xEF\xBB\xBF# kinemesh points csv 1;;;;\r\n# rate_hz;50;;;\r\n"

@@ -1,0 +1,55 @@
+#include "capture/clean_picture.h"
+
+#include <gtest/gtest.h>
+
+#include "capture/clean.h"
+#include "capture/session.h"
+#include "tests/support/data.h"
+
+namespace kinemesh {
+namespace {
+
+MarkerSequence sample(const char* name) { return read_session(test::sample_folder() / name); }
+
+/// The texts that the picture shows.
+std::string shown(const Canvas& canvas) { return canvas.svg(); }
+
+TEST(CleanPicture, ShowsGapsChangesUncertaintyAndTheHead) {
+  const MarkerSequence before = sample("ben_surprise.c3d");
+  const CleanResult clean = clean_take(before, {.stabilise = true});
+  const std::string text =
+      shown(draw_cleaning(before, clean.take, clean.edits, "ben_surprise.c3d"));
+  EXPECT_NE(text.find("What was done to ben_surprise.c3d"), std::string::npos);
+  EXPECT_NE(text.find("RMOU06: moved by 1"), std::string::npos);  // the exchange of labels
+  EXPECT_NE(text.find("RCHN01: moved by 1"), std::string::npos);
+  EXPECT_NE(text.find("estimated, uncertain by up to 0."), std::string::npos);
+  EXPECT_NE(text.find("Head before stabilising, motion per frame"), std::string::npos);
+  EXPECT_NE(text.find("Head after stabilising, error per frame"), std::string::npos);
+}
+
+TEST(CleanPicture, WithoutStabilisingThereIsNoHead) {
+  const MarkerSequence before = sample("anna_happy.c3d");
+  const CleanResult clean = clean_take(before);
+  const std::string text = shown(draw_cleaning(before, clean.take, clean.edits, "a"));
+  EXPECT_EQ(text.find("Head "), std::string::npos);
+  EXPECT_EQ(text.find("moved by"), std::string::npos);  // nothing had to be repaired
+  EXPECT_NE(text.find("uncertain by up to"), std::string::npos);
+}
+
+TEST(CleanPicture, TakesThatCannotBeLaidOverEachOtherAreDrawn) {
+  const MarkerSequence before = sample("anna_happy.c3d");
+  for (const char* toml :
+       {"[[edit]]\ndo = \"crop\"\nfrom = 101\nto = 200\n", "[[edit]]\ndo = \"axes\"\npreset = \"y-up\"\n",
+        "[[edit]]\ndo = \"resample\"\nrate = 50\n",
+        "[[edit]]\ndo = \"fill\"\n"
+        "[[edit]]\ndo = \"crop\"\nfrom = 7\nto = 7\n"}) {
+    const EditList edits = parse_edits(toml, "edits.toml");
+    const EditResult after = apply_edits(before, edits);
+    const Canvas canvas = draw_cleaning(before, after.take, edits, "a");
+    EXPECT_GT(canvas.height(), 100.0) << toml;
+    EXPECT_EQ(shown(canvas).find("moved by"), std::string::npos) << toml;
+  }
+}
+
+}  // namespace
+}  // namespace kinemesh
