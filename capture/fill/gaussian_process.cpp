@@ -280,17 +280,21 @@ Estimate estimate_gap(const TrainingSet& set, double rate_hz, double noise,
   const std::vector<Setting> settings = settings_for(set, options);
   const double nugget = choose_nugget(covariance, set, settings[settings.size() / 2], options);
   const Average estimate = average(covariance, set, settings, nugget, options.softening);
+  const auto rows = static_cast<Eigen::Index>(set.rows.size());
+  const double known = rows > 0 ? set.guess.topRows(rows).rowwise().norm().maxCoeff() : 0.0;
   Estimate out;
   for (std::size_t i = 0; i < set.gap.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
-    const Eigen::RowVector3d guess =
-        set.guess.row(static_cast<Eigen::Index>(set.rows.size()) + row);
+    const Eigen::RowVector3d guess = set.guess.row(rows + row);
     const Eigen::Vector3d p = (estimate.mean.row(row) + set.mean_output + guess).transpose();
     out.positions.push_back(set.poses[i].apply(p));
     // The uncertainty of the true position: without the noise of a measurement there.
     const double total = estimate.variance[row];
     constexpr double least_share = 0.05;
-    out.sd.push_back(std::sqrt(std::max(total - noise, least_share * total)));
+    // Where the surroundings go farther than in any row, how well they tell is not known.
+    constexpr double doubt = 0.1;
+    const double beyond = doubt * std::max(0.0, guess.norm() - known);
+    out.sd.push_back(std::sqrt(std::max(total - noise, least_share * total) + beyond * beyond));
   }
   return out;
 }

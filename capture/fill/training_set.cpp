@@ -179,7 +179,8 @@ class CommonFrame {
 };
 
 /// Weighted displacements, scaled to a root mean square norm of 1 over the rows or, where the
-/// donors move more, over the gap: motion that no row knows must not look like much of the same.
+/// donors move more in the gap, over the geometric mean of both: motion that no row knows must not
+/// look like much of the same, and what the rows tell of its beginning must count.
 Dense make_inputs(const CommonFrame& frame, const std::vector<Donor>& donors, std::size_t rows,
                   std::size_t columns) {
   Dense inputs(3 * donors.size(), columns);
@@ -200,7 +201,9 @@ Dense make_inputs(const CommonFrame& frame, const std::vector<Donor>& donors, st
     }
   }
   double squares = outside / static_cast<double>(rows);
-  if (columns > rows) squares = std::max(squares, inside / static_cast<double>(columns - rows));
+  if (columns > rows) {
+    squares = std::max(squares, std::sqrt(squares * inside / static_cast<double>(columns - rows)));
+  }
   const double norm = std::sqrt(squares);
   if (norm <= 0.0) return inputs;
   for (std::size_t r = 0; r < inputs.rows(); ++r) {

@@ -27,12 +27,13 @@ struct TrainingSet {
   std::vector<std::size_t> rows;  ///< frames, ascending; the marker is measured in each
   std::vector<std::size_t> gap;   ///< the frames to estimate
   std::size_t donors = 0;         ///< 0: time is the only input
-  Dense inputs;  ///< (3 × donors) × (rows + gap): the donors' weighted displacements in the common
-                 ///< frame, divided by their root mean square norm over the rows or, if that is
-  ///< larger, over the gap
-  Eigen::MatrixXd guess;  ///< (rows + gap) × 3, mm: how the marker would move if it moved as what
-                          ///< is around it. It is what holds where the donors do what they do in
-                          ///< no row.
+  /// (3 × donors) × (rows + gap): the donors' weighted displacements in the common frame, divided
+  /// by their root mean square norm over the rows or, if that is larger, by the geometric mean of
+  /// those over the rows and over the gap.
+  Dense inputs;
+  /// (rows + gap) × 3, mm: how the marker would move if it moved as what is around it. It is what
+  /// holds where the donors do what they do in no row.
+  Eigen::MatrixXd guess;
   Eigen::MatrixXd outputs;  ///< rows × 3, mm, in the common frame, without guess and mean
   Eigen::RowVector3d mean_output;
   std::vector<RigidFit> poses;  ///< of the gap's frames: common frame → recording
