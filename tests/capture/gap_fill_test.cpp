@@ -174,7 +174,7 @@ TEST(GapFill, WhatHappensOnceOnlyIsTakenFromTheSurroundings) {
     worst = std::max(worst,
                      double{(result.take.position(f, marker) - sheet.position(f, marker)).norm()});
   }
-  EXPECT_LT(worst, 1.5);  // of 8 mm
+  EXPECT_LT(worst, 2.0);  // a quarter of the bulge; a straight line misses all 8 mm of it
 }
 
 TEST(GapFill, NeverSeesTheSamplesThatWereRemoved) {
