@@ -35,15 +35,6 @@ std::size_t labelled_markers(const MarkerSequence& take) {
   return count;
 }
 
-bool has_twins(const MarkerSequence& take) {
-  std::vector<std::string> names;
-  for (const Marker& m : take.markers()) {
-    if (m.kind == MarkerKind::marker) names.push_back(m.subject + ":" + m.label);
-  }
-  std::ranges::sort(names);
-  return std::ranges::adjacent_find(names) != names.end();
-}
-
 using Values = std::vector<std::pair<std::string, std::vector<std::string>>>;
 
 /// The values of a stage's options that differ from their default, for the edit list.
@@ -73,6 +64,11 @@ class Cleaner {
     if (has_twins(take)) step(0.0, 0.01, "unite-twins");
     if (options_.label && has_loose_points(take)) label();
     if (labelled_markers(take) == 0) refuse_without_labels();
+    if (take.frame_count() == 1) {
+      ctx_.warn(
+          "The take has one frame only: without motion nothing is repaired, filled or smoothed. "
+          "Record it again, or take a longer one.");
+    }
     if (options_.repair) repair();
     if (options_.fill) step(0.4, 0.85, "fill", values_of(options_.gaps));
     if (options_.filter.method != FilterMethod::none) {
@@ -206,6 +202,15 @@ void CleanOptions::validate() const {
     throw UsageError({.what = "--template does nothing here: no labels are given (--no-label)",
                       .remedy = "Leave out one of the two"});
   }
+}
+
+bool has_twins(const MarkerSequence& take) {
+  std::vector<std::string> names;
+  for (const Marker& m : take.markers()) {
+    if (m.kind == MarkerKind::marker) names.push_back(m.subject + ":" + m.label);
+  }
+  std::ranges::sort(names);
+  return std::ranges::adjacent_find(names) != names.end();
 }
 
 CleanResult clean_take(const MarkerSequence& take, const CleanOptions& options,

@@ -45,6 +45,9 @@ struct CleanResult {
   std::vector<StageTime> times;
 };
 
+/// A label of the body is used by two columns.
+bool has_twins(const MarkerSequence& take);
+
 /// Throws NoResultError when nothing has a label and no template is given, or when the take has no
 /// frame or no point.
 CleanResult clean_take(const MarkerSequence& take, const CleanOptions& options = {},

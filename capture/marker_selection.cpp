@@ -126,7 +126,8 @@ void warn_of_invalid(const MarkerSequence& take, MarkerSelectionResult& result) 
     names.resize(most_named - 1);
     names.push_back(count_of(others, "other"));
     result.warnings.push_back("Markers " + join(names, ", ", " and ") +
-                              " are invalid in every frame and are left out.");
+                              " are invalid in every frame and are left out: no surface is made "
+                              "there. Repeat the take if that place matters.");
     return;
   }
   for (const std::string& name : names) {

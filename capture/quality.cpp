@@ -170,7 +170,8 @@ class Judge {
   void judge() {
     gravest();
     if (!r_.reasons.empty()) {
-      r_.verdict = Verdict::repeat;
+      const bool to_be_labelled = r_.frames > 1 && r_.markers == 0 && r_.loose_points > 0;
+      r_.verdict = to_be_labelled ? Verdict::fit_after_cleaning : Verdict::repeat;
       return;
     }
     mendable();
@@ -187,8 +188,10 @@ class Judge {
     say(r_.frames == 0, "there are no frames");
     say(r_.frames == 1, "there is one frame only, no motion");
     say(r_.frames > 0 && r_.markers == 0,
-        r_.loose_points > 0 ? "all points are unlabelled; label them from a template first"
-                            : "there are no markers");
+        r_.loose_points > 0
+            ? "all points are unlabelled; label them first, from another take of the "
+              "subject (kinemesh c3d process --template)"
+            : "there are no markers");
     if (r_.frames < 2 || r_.markers == 0) return;
     constexpr std::size_t fewest = 10;  // neither noise nor motion is told from fewer
     say(r_.frames < fewest,
@@ -240,6 +243,7 @@ class Judge {
     say(r_.residual_mm > 0.5 * o_.most_residual_mm, "the cameras' residual is " +
                                                         format_fixed(r_.residual_mm, 2) +
                                                         " mm: calibrate them before the next take");
+    say(!r_.head.known, "no three markers move as one body, so that the head's motion stays");
     say(r_.head.turn_degrees > o_.clean_turn_degrees || r_.head.way_mm > o_.clean_way_mm,
         "the head turns by up to " + format_fixed(r_.head.turn_degrees, 0) + "° and moves by " +
             format_fixed(r_.head.way_mm, 0) + " mm, to be taken out");

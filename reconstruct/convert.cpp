@@ -169,6 +169,9 @@ ConvertResult convert_session(const MarkerSequence& session, const ConvertOption
     result.gaps.push_back(find_gaps(working.take, v));
     result.gaps.back().marker = result.gaps.size() - 1;
   }
+  if (session.frame_count() == 1) {
+    result.warnings.emplace_back("the take has one frame only: a still surface, without motion");
+  }
   warn_of_twins(result);
   warn_of_subjects(result);
   const MarkerSequence faces = fill(working, options, result, ctx.part(0.15, 0.6, "filling gaps"));

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "capture/clean.h"
 #include "capture/edit_list.h"
 #include "config/input_file.h"
 #include "config/output_file.h"
@@ -205,6 +206,13 @@ ConvertFilesResult convert_files(const FormatRegistry& formats, const ConvertJob
     EditResult edited = apply_edits(result.session, steps, ctx);
     result.session = std::move(edited.take);
     for (const std::string& done : edited.done) ctx.info(done);
+  }
+  if (has_twins(result.session)) {
+    EditList unite;
+    unite.steps.push_back(make_edit("unite-twins", {}));
+    EditResult united = apply_edits(result.session, unite, ctx);
+    result.session = std::move(united.take);
+    std::ranges::move(united.done, std::back_inserter(findings));
   }
   // A wrong name or format is said before the work is done, not after it.
   output_format(formats, job.output, options.writing, result.session.frame_count());
