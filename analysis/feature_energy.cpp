@@ -68,9 +68,30 @@ Eigen::MatrixXd twists(const Places& places) {
   return twist;
 }
 
+void refuse_too_many(std::size_t source, std::size_t target, std::size_t assignments,
+                     const FeatureMatchingOptions& options) {
+  const double size = static_cast<double>(assignments);
+  if (0.5 * size * size <= options.max_pairs || options.neighbours > 0) return;
+  throw NoResultError(
+      {.what = std::to_string(source) + " and " + std::to_string(target) + " features give " +
+               std::to_string(static_cast<int64_t>(0.5 * size * size)) +
+               " pairs of matches to compare, about " +
+               std::to_string(static_cast<int64_t>(size * size * 32e-6)) + " MB",
+       .remedy = "Compare neighbours only (--neighbours 6), match fewer features, or raise "
+                 "--max-pairs"});
+}
+
 Eigen::Index at(std::size_t k) { return static_cast<Eigen::Index>(k); }
 
 }  // namespace
+
+void refuse_too_many_features(std::size_t source, std::size_t target,
+                              const FeatureMatchingOptions& options) {
+  const std::size_t more = std::max(source, target), fewer = std::min(source, target);
+  const auto candidates = static_cast<std::size_t>(std::max(0, options.candidates));
+  refuse_too_many(source, target, more * (candidates > 0 ? std::min(candidates, fewer) : fewer),
+                  options);
+}
 
 FeatureEnergy::FeatureEnergy(const FeaturePlaces& source, const FeaturePlaces& target,
                              const FeatureMatchingOptions& options)
@@ -99,9 +120,14 @@ void FeatureEnergy::measure_descriptors() {
                 (2.0 + options_.time_weight);
 }
 
+std::pair<double, double> FeatureEnergy::lengths(std::size_t p, std::size_t p2, std::size_t q,
+                                                 std::size_t q2) const {
+  return {source_.distances(at(p), at(p2)), target_.distances(at(q), at(q2))};
+}
+
 PairTerms FeatureEnergy::pair(std::size_t p, std::size_t p2, std::size_t q, std::size_t q2) const {
   PairTerms terms;
-  const double a = source_.distances(at(p), at(p2)), b = target_.distances(at(q), at(q2));
+  const auto [a, b] = lengths(p, p2, q, q2);
   if (std::isfinite(a) && std::isfinite(b)) {
     const double mean = 0.5 * (a + b);
     terms.geodesic = std::min(std::abs(a - b) / std::max(mean, short_length), largest_cost);
@@ -191,7 +217,7 @@ MatchingProblem FeatureEnergy::problem() const {
                           .right_count = static_cast<uint32_t>(m),
                           .assignments = assignments(),
                           .constant = options_.matched * smaller};
-  refuse_too_many(problem.assignments.size());
+  refuse_too_many(n, m, problem.assignments.size(), options_);
   Neighbourhoods around{
       .compared_source = nearest(source_, options_.neighbours),
       .compared_target = nearest(target_, options_.neighbours),
@@ -205,19 +231,6 @@ MatchingProblem FeatureEnergy::problem() const {
   set_costs(around, problem.assignments);
   add_pairs(around, problem);
   return problem;
-}
-
-void FeatureEnergy::refuse_too_many(std::size_t assignments) const {
-  const double size = static_cast<double>(assignments);
-  if (0.5 * size * size <= options_.max_pairs || options_.neighbours > 0) return;
-  throw NoResultError(
-      {.what = std::to_string(source_.places.size()) + " and " +
-               std::to_string(target_.places.size()) + " features give " +
-               std::to_string(static_cast<int64_t>(0.5 * size * size)) +
-               " pairs of matches to compare, about " +
-               std::to_string(static_cast<int64_t>(size * size * 32e-6)) + " MB",
-       .remedy = "Compare neighbours only (--neighbours 6), match fewer features, or raise "
-                 "--max-pairs"});
 }
 
 /// What each match costs by itself.

@@ -1,6 +1,7 @@
 // The energy of matching features (thesis 5-6) as a graph matching problem. Internal to analysis.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "analysis/feature_matching.h"
@@ -24,6 +25,9 @@ class FeatureEnergy {
   double descriptor(std::size_t p, std::size_t q) const {
     return descriptor_(static_cast<Eigen::Index>(p), static_cast<Eigen::Index>(q));
   }
+  /// Geodesic lengths between two features of each side, √area.
+  std::pair<double, double> lengths(std::size_t p, std::size_t p2, std::size_t q,
+                                    std::size_t q2) const;
   PairTerms pair(std::size_t p, std::size_t p2, std::size_t q, std::size_t q2) const;
 
   /// The problem, its energy being that of (5-6) times the smaller count. Throws NoResultError when
@@ -39,7 +43,6 @@ class FeatureEnergy {
     double share = 0.0;      ///< of one pair of matches in the mean over pairs
   };
   void measure_descriptors();
-  void refuse_too_many(std::size_t assignments) const;
   void set_costs(const Neighbourhoods& around, std::vector<MatchingAssignment>& assignments) const;
   double pair_cost(const Neighbourhoods& around, const MatchingAssignment& a,
                    const MatchingAssignment& b) const;

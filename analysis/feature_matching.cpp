@@ -36,9 +36,10 @@ void FeatureMatchingOptions::declare(ParameterSet& p) {
   p.number(
       "reject", reject,
       {.min = 0,
-       .max = 2,
-       .help = "Take back matches whose distances and twists to the others change by more than "
-               "this in the median; 0: none"});
+       .max = 10,
+       .help =
+           "Take back matches whose distances to the others, near ones counting most, change by "
+           "more than this part of √area in the mean; 0: none"});
   p.choice("prior", prior,
            {{GeodesicPrior::none, "none", "not used"},
             {GeodesicPrior::printed, "printed", "both increase or both decrease (Algorithm 5-3)"},
@@ -124,28 +125,68 @@ class Alternatives {
   std::vector<uint32_t> chosen_, at_right_;
 };
 
-/// Takes back the worst match until none distorts too much.
+/// How far matches are from where the others say, by distances over the surface and twists.
+class Misfits {
+ public:
+  Misfits(const FeatureEnergy& energy, const std::vector<FeatureMatch>& matches)
+      : energy_(energy), matches_(matches) {
+    std::vector<double> ratios;
+    for (std::size_t k = 0; k < matches.size(); ++k) {
+      for (std::size_t o = 0; o < k; ++o) {
+        const auto [a, b] = lengths(k, o);
+        if (std::isfinite(a) && std::isfinite(b) && a > short_length) ratios.push_back(b / a);
+      }
+    }
+    if (!ratios.empty()) scale_ = median(std::move(ratios));
+  }
+
+  /// The mean change of a match's distances and twists to the others, near ones counting most, in
+  /// √area; the median ratio of all distances counts as a change of size.
+  double of(std::size_t k) const {
+    double sum = 0.0, weights = 0.0;
+    for (std::size_t o = 0; o < matches_.size(); ++o) {
+      const auto [a, b] = lengths(k, o);
+      if (o == k || (!std::isfinite(a) && !std::isfinite(b))) continue;
+      const bool same_part = std::isfinite(a) && std::isfinite(b);
+      const double weight = same_part ? std::exp(-a / neighbourhood) : 1.0;
+      const double twist = terms(k, o).orientation;
+      sum += weight * (same_part ? std::abs(scale_ * a - b) + twist_weight * twist : 1.0);
+      weights += weight;
+    }
+    return weights > 0.0 ? sum / weights : 0.0;
+  }
+
+ private:
+  static constexpr double short_length = 0.1, neighbourhood = 0.3;  // √area
+  static constexpr double twist_weight = 0.05;
+  PairTerms terms(std::size_t k, std::size_t o) const {
+    return energy_.pair(matches_[k].source, matches_[o].source, matches_[k].target,
+                        matches_[o].target);
+  }
+  std::pair<double, double> lengths(std::size_t k, std::size_t o) const {
+    return energy_.lengths(matches_[k].source, matches_[o].source, matches_[k].target,
+                           matches_[o].target);
+  }
+
+  const FeatureEnergy& energy_;
+  const std::vector<FeatureMatch>& matches_;
+  double scale_ = 1.0;
+};
+
+void fill_misfits(const FeatureEnergy& energy, std::vector<FeatureMatch>& matches) {
+  const Misfits misfits(energy, matches);
+  for (std::size_t k = 0; k < matches.size(); ++k) matches[k].misfit = misfits.of(k);
+}
+
+/// Takes back the worst match until all fit the others.
 void reject_outliers(const FeatureEnergy& energy, double limit, std::vector<FeatureMatch>& matches,
                      std::vector<FeatureMatch>& rejected) {
   while (limit > 0.0 && matches.size() > 3) {
-    double worst = limit;
-    std::size_t at = matches.size();
-    for (std::size_t k = 0; k < matches.size(); ++k) {
-      std::vector<double> distortions;
-      for (std::size_t o = 0; o < matches.size(); ++o) {
-        if (o == k) continue;
-        const PairTerms terms =
-            energy.pair(matches[k].source, matches[o].source, matches[k].target, matches[o].target);
-        distortions.push_back(terms.geodesic + terms.orientation);
-      }
-      if (const double m = median(std::move(distortions)); m > worst) {
-        worst = m;
-        at = k;
-      }
-    }
-    if (at == matches.size()) return;
-    rejected.push_back(matches[at]);
-    matches.erase(matches.begin() + static_cast<std::ptrdiff_t>(at));
+    fill_misfits(energy, matches);
+    const auto worst = std::ranges::max_element(matches, {}, &FeatureMatch::misfit);
+    if (worst->misfit <= limit) return;
+    rejected.push_back(*worst);
+    matches.erase(worst);
   }
 }
 
@@ -232,6 +273,7 @@ FeatureMatching match_features(const FeaturePlaces& source, const FeaturePlaces&
                               .margin = margin});
   }
   reject_outliers(energy, options.reject, result.matches, result.rejected);
+  fill_misfits(energy, result.matches);
   add_pair_terms(energy, result.matches);
   sum_terms(source, target, options, result);
   if (result.matches.empty()) {

@@ -45,7 +45,7 @@ struct FeatureMatchingOptions {
   double orientation = 1.5;  ///< λ_orient
   double matched = 1.5;      ///< λ_unmat
   double coherence = 0.05;   ///< λ_coh
-  double reject = 0.2;  ///< median geodesic + orientation term above which a match is taken back
+  double reject = 0.034;     ///< misfit above which a match is taken back, √area
   double time_weight = 1.0;  ///< of the difference in normalised time, beside the descriptors
   GeodesicPrior prior = GeodesicPrior::none;
   double prior_tolerance = 0.05;  ///< of the curve's range
@@ -82,6 +82,7 @@ struct FeatureMatch {
   double descriptor = 0.0;          ///< θ_a
   double geodesic = 0.0;            ///< mean relative distortion to the other matches
   double orientation = 0.0;         ///< mean twist difference to the other matches
+  double misfit = 0.0;              ///< mean change of distances and twists to the others
   double energy = 0.0;              ///< what the match adds to the energy, × the smaller count
   uint32_t runner_up = unmatched;   ///< the target feature that would be next best; or none
   double margin = 0.0;  ///< by how much the energy (× the smaller count) is worse with it
@@ -97,6 +98,11 @@ struct FeatureMatching {
          coherence = 0.0;    ///< weighted terms of the energy
   std::string empty_reason;  ///< why there are no matches
 };
+
+/// Throws NoResultError, as match_features() would, when so many features cannot be compared: to
+/// ask before their geodesics are measured.
+void refuse_too_many_features(std::size_t source, std::size_t target,
+                              const FeatureMatchingOptions& options);
 
 /// Throws NoResultError, which names the memory and the remedy, when there are more pairs of
 /// assignments than options.max_pairs.

@@ -19,6 +19,7 @@ Json as_json(const FeatureMatch& m, const FeatureSet& source, const FeatureSet& 
           {"descriptor", m.descriptor},
           {"geodesic", m.geodesic},
           {"orientation", m.orientation},
+          {"misfit", m.misfit},
           {"energy", m.energy},
           {"runner_up", m.runner_up == unmatched ? Json(nullptr) : Json(m.runner_up)},
           {"margin", m.margin}};
@@ -60,13 +61,13 @@ std::string matches_json(const FeatureMatching& matching, const FeatureSet& sour
 std::string matches_csv(const FeatureMatching& matching, const FeatureSet& source,
                         const FeatureSet& target) {
   std::string text =
-      "source,target,source_vertex,target_vertex,descriptor,geodesic,orientation,energy,runner_up,"
-      "margin\n";
+      "source,target,source_vertex,target_vertex,descriptor,geodesic,orientation,misfit,energy,"
+      "runner_up,margin\n";
   for (const FeatureMatch& m : matching.matches) {
     text += std::to_string(m.source) + ',' + std::to_string(m.target) + ',' +
             std::to_string(source.features[m.source].vertex) + ',' +
             std::to_string(target.features[m.target].vertex);
-    for (const double value : {m.descriptor, m.geodesic, m.orientation, m.energy}) {
+    for (const double value : {m.descriptor, m.geodesic, m.orientation, m.misfit, m.energy}) {
       text += ',' + format_number(value);
     }
     text += ',' + (m.runner_up == unmatched ? std::string() : std::to_string(m.runner_up)) + ',' +

@@ -83,6 +83,26 @@ void LocalSearch::start_greedy() {
   record();
 }
 
+void LocalSearch::start_grown(std::span<const double> least) {
+  reset();
+  const auto draw = [this] { return static_cast<uint32_t>(random_() % table_.size()); };
+  uint32_t next = draw();
+  for (uint32_t k = 0; k < std::min(64U, table_.size() / 8); ++k) {
+    if (const uint32_t other = draw(); least[other] < least[next]) next = other;
+  }
+  while (next != unmatched) {
+    set(table_.left(next), next);
+    next = unmatched;
+    for (uint32_t a = 0; a < table_.size(); ++a) {
+      if (now_[table_.left(a)] != unmatched || at_right_[table_.right(a)] != unmatched) continue;
+      if (gain_[a] < (next == unmatched ? -tiny : gain_[next])) next = a;
+    }
+    work_ += table_.size();
+  }
+  start_best_ = energy_;
+  record();
+}
+
 void LocalSearch::start_near_best(uint32_t changes) {
   const Matching best = best_;
   start_from(best);

@@ -30,6 +30,10 @@ class LocalSearch {
   void start_from(std::span<const uint32_t> matching);
   /// Starts anew from a greedy matching with random choices among the best.
   void start_greedy();
+  /// Starts anew from one assignment, to which the best remaining one is added again and again:
+  /// matchings that hold together where pairs are few. The first is drawn among those that promise
+  /// most by `least`, one value for each assignment.
+  void start_grown(std::span<const double> least);
   /// Starts from the best matching with `changes` left nodes let go at random.
   void start_near_best(uint32_t changes);
   /// Makes tabu moves until `moves` of them in a row have not improved this start's best, or `stop`

@@ -12,8 +12,10 @@ namespace kinemesh::graph_matching {
 
 using Clock = std::chrono::steady_clock;
 
-/// A bound that needs no iteration: every pair at its best.
-double simple_bound(const PairTable& table);
+/// What each assignment costs at least, with half of each pair at its best.
+std::vector<double> least_costs(const PairTable& table);
+/// A bound that needs no iteration, from least_costs().
+double simple_bound(const PairTable& table, std::span<const double> least);
 
 class SearchState {
  public:
@@ -50,6 +52,7 @@ class SearchState {
   Clock::time_point begin_;
   PairTable table_;
   LocalSearch local_;
+  std::vector<double> least_;
   double simple_bound_;
   int64_t iterations_ = 0;
   uint64_t starts_ = 0;

@@ -39,7 +39,8 @@ SearchState::SearchState(const MatchingProblem& problem, const MatchingOptions& 
       begin_(begin),
       table_(problem),
       local_(table_, ctx.seed()),
-      simple_bound_(graph_matching::simple_bound(table_)) {
+      least_(least_costs(table_)),
+      simple_bound_(graph_matching::simple_bound(table_, least_)) {
   local_.start_greedy();  // whatever the time limit, there is a matching
 }
 
@@ -72,8 +73,10 @@ void SearchState::improve(uint64_t work) {
   if (table_.size() == 0) return;
   const uint64_t until = local_.work() + work;
   while (local_.work() < until && !stop()) {
-    if (starts_ % 3 == 0) {
+    if (starts_ % 4 == 0) {
       local_.start_greedy();
+    } else if (starts_ % 2 == 1) {
+      local_.start_grown(least_);
     } else {
       local_.start_near_best(2 + static_cast<uint32_t>(starts_ % 7) * table_.left_count() / 14);
     }

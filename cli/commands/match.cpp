@@ -57,13 +57,20 @@ void draw(const Arguments& args, const FeatureMatching& matching, const FeatureS
   std::vector<MatchLine> lines;
   for (const FeatureMatch& m : matching.matches) {
     lines.push_back({mesh_a.positions[a.features[m.source].vertex],
-                     mesh_b.positions[b.features[m.target].vertex]});
+                     mesh_b.positions[b.features[m.target].vertex], std::to_string(m.source),
+                     std::to_string(m.target)});
   }
+  const auto name = [](const FeatureSet& set, const std::string& features) {
+    return std::filesystem::path(set.animation.empty() ? features : set.animation).stem().string();
+  };
   const MatchViewOptions view{
       .title = "Matches of " + std::filesystem::path(args.features_a).filename().string() +
                " and " + std::filesystem::path(args.features_b).filename().string(),
       .subtitle = count_of(matching.matches.size(), "match", "matches") +
-                  "; grey: features without a match"};
+                  " with the features' numbers; grey: features without a match; rings and dashes: "
+                  "behind the surface",
+      .source_name = name(a, args.features_a),
+      .target_name = name(b, args.features_b)};
   const Canvas canvas =
       draw_matches(mesh_a, mesh_b, lines, places(matching.unmatched_source, a, mesh_a),
                    places(matching.unmatched_target, b, mesh_b), view, ctx);
@@ -89,6 +96,7 @@ std::string in_words(const FeatureMatching& matching) {
 
 ExitCode run_match(const Arguments& args, Terminal& terminal) {
   const FeatureSet a = read_features(args.features_a), b = read_features(args.features_b);
+  refuse_too_many_features(a.features.size(), b.features.size(), args.matching);
   const AnimatedMesh mesh_a =
       animation_of(args.animation_a, args.features_a, a, args.read, terminal.run);
   const AnimatedMesh mesh_b =

@@ -224,6 +224,13 @@ TEST(FeatureMatching, TooManyPairsAreRefusedWithTheRemedy) {
   }
 }
 
+TEST(FeatureMatching, ThousandsOfFeaturesAreRefusedBeforeTheirGeodesics) {
+  EXPECT_THROW(refuse_too_many_features(3000, 2000, {}), NoResultError);
+  EXPECT_THROW(refuse_too_many_features(200, 200, {.candidates = 0}), NoResultError);
+  EXPECT_NO_THROW(refuse_too_many_features(3000, 2000, {.neighbours = 6}));
+  EXPECT_NO_THROW(refuse_too_many_features(0, 0, {}));
+}
+
 TEST(FeatureMatching, WrittenAsJsonAndCsv) {
   const Subject a = make_subject(slim, left_side);
   const FeatureMatching m = match(a, a);

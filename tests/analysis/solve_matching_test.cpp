@@ -12,6 +12,7 @@
 #include "config/error.h"
 #include "tests/analysis/matching_instances.h"
 #include "tests/support/data.h"
+#include "tests/support/matching_problems.h"
 
 namespace kinemesh {
 namespace {
@@ -62,6 +63,44 @@ TEST(SolveMatching, LargerProblemsAreProvedOrBounded) {
   }
   const MatchingProblem p = test::make_instance(InstanceKind::sparse, 14, 5);
   EXPECT_TRUE(solve_matching(p).certified);
+}
+
+constexpr test::ProblemKind planted_kinds[] = {
+    test::ProblemKind::house,    test::ProblemKind::synth, test::ProblemKind::car,
+    test::ProblemKind::complete, test::ProblemKind::flow,  test::ProblemKind::worms};
+
+TEST(SolveMatching, FindsAtLeastWhatWasPlanted) {
+  for (const test::ProblemKind kind : planted_kinds) {
+    const test::PlantedProblem made = plant_problem(kind, 3, {.nodes = 20});
+    const MatchingResult r = solve_matching(made.problem, {.time_limit_s = 60, .iterations = 6});
+    expect_sound(made.problem, r);
+    EXPECT_LE(r.energy, made.problem.energy(made.planted) + 1e-9) << static_cast<int>(kind);
+  }
+}
+
+TEST(SolveMatching, StarsOverNeighboursFirstComeToTheSameEnd) {
+  // Few left nodes share pairs: stars begin over those and are widened.
+  for (const test::ProblemKind kind : {test::ProblemKind::flow, test::ProblemKind::worms}) {
+    const MatchingProblem p = plant_problem(kind, 2, {.nodes = 44}).problem;
+    const MatchingResult r = solve_matching(p, {.time_limit_s = 60, .iterations = 400});
+    expect_sound(p, r);
+    EXPECT_TRUE(r.certified) << static_cast<int>(kind);
+    const MatchingResult thesis =
+        solve_matching(p, {.method = MatchingMethod::subgradient, .iterations = 20});
+    EXPECT_LE(thesis.bound, r.energy + 1e-9);
+    EXPECT_LE(r.bound, thesis.energy + 1e-9);
+  }
+}
+
+TEST(SolveMatching, WithoutTimeThereIsStillAMatching) {
+  for (const MatchingMethod method : {MatchingMethod::ascent, MatchingMethod::subgradient}) {
+    const test::PlantedProblem made = plant_problem(test::ProblemKind::complete, 1);
+    const MatchingResult r =
+        solve_matching(made.problem, {.method = method, .time_limit_s = 0.001});
+    expect_sound(made.problem, r);
+    EXPECT_LT(r.energy, -100.0);  // each of the 30 nodes gains about 10
+    EXPECT_TRUE(r.time_is_up);
+  }
 }
 
 TEST(SolveMatching, LittleMemoryGivesAWeakerBoundNotAWrongOne) {

@@ -29,6 +29,7 @@ class Planter {
     PlantedProblem result{.problem = {.left_count = options_.nodes, .right_count = options_.nodes},
                           .planted = planted_};
     add_assignments(result.problem);
+    drop_impossible(result);
     add_pairs(result.problem);
     return result;
   }
@@ -109,6 +110,16 @@ class Planter {
       std::ranges::sort(order, {}, [&](uint32_t j) { return unlikeness(i, j); });
       if (sparse) order.resize(std::min(n, few));
       for (const uint32_t j : order) problem.assignments.push_back({i, j, unary(i, j)});
+    }
+  }
+
+  static void drop_impossible(PlantedProblem& result) {
+    std::vector<char> possible(result.planted.size(), 0);
+    for (const MatchingAssignment& a : result.problem.assignments) {
+      if (result.planted[a.left] == a.right) possible[a.left] = 1;
+    }
+    for (std::size_t i = 0; i < possible.size(); ++i) {
+      if (possible[i] == 0) result.planted[i] = unmatched;
     }
   }
 

@@ -21,7 +21,8 @@ enum class ProblemKind {
 
 struct PlantedProblem {
   MatchingProblem problem;
-  std::vector<uint32_t> planted;  ///< the true right node of each left node, or `unmatched`
+  std::vector<uint32_t> planted;  ///< the true right node of each left node, or
+                                  ///< `unmatched` where there is none among the assignments
 };
 
 struct PlantedOptions {
