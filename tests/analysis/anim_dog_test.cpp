@@ -11,7 +11,7 @@
 #include "config/error.h"
 #include "tests/support/deforming_shapes.h"
 
-namespace kinemesh {
+namespace kinemesh::anim_dog_test {
 namespace {
 
 using test::Bump;
@@ -225,4 +225,4 @@ TEST(AnimDog, DisplacementFeaturesAreTheTips) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::anim_dog_test

@@ -14,7 +14,7 @@
 #include "tests/support/ict_performer.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kinemesh {
+namespace kinemesh::consistency_test {
 namespace {
 
 Mesh mesh_of(const test::Sheet& sheet) {
@@ -119,4 +119,4 @@ TEST(Consistency, TwoFacesDoingTheSameAgree) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::consistency_test

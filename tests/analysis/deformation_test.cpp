@@ -13,7 +13,7 @@
 #include "tests/support/deforming_shapes.h"
 #include "tests/support/test_shapes.h"
 
-namespace kinemesh {
+namespace kinemesh::deformation_test {
 namespace {
 
 using test::animate;
@@ -239,4 +239,4 @@ TEST(Deformation, DegenerateNonManifoldAndIsolatedPartsDoNoHarm) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::deformation_test

@@ -11,7 +11,7 @@
 #include "config/error.h"
 #include "tests/support/deforming_shapes.h"
 
-namespace kinemesh {
+namespace kinemesh::descriptors_test {
 namespace {
 
 using test::make_sheet;
@@ -153,4 +153,4 @@ TEST(Descriptors, DisplacementFeaturesCompareByDisplacementAlone) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::descriptors_test

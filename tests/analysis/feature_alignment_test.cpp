@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kinemesh {
+namespace kinemesh::feature_alignment_test {
 namespace {
 
 FeatureSet set_of(const std::vector<std::pair<uint32_t, double>>& frames_and_sigmas) {
@@ -52,4 +52,4 @@ TEST(FeatureAlignment, NothingInCommonAndNothingAtAll) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::feature_alignment_test

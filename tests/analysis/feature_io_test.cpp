@@ -8,7 +8,7 @@
 #include "config/output_file.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kinemesh {
+namespace kinemesh::feature_io_test {
 namespace {
 
 using test::TemporaryFolder;
@@ -90,4 +90,4 @@ TEST(FeatureIo, MalformedFilesAreRefusedWithTheirPlace) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::feature_io_test

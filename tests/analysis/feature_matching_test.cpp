@@ -13,7 +13,7 @@
 #include "tests/support/bending_cylinder.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kinemesh {
+namespace kinemesh::feature_matching_test {
 namespace {
 
 /// A bump on the cylinder that swells and goes, at (angle, part of the length).
@@ -247,4 +247,4 @@ TEST(FeatureMatching, WrittenAsJsonAndCsv) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::feature_matching_test

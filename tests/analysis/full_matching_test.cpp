@@ -14,7 +14,7 @@
 #include "tests/support/ict_performer.h"
 #include "tests/support/test_shapes.h"
 
-namespace kinemesh {
+namespace kinemesh::full_matching_test {
 namespace {
 
 std::vector<Eigen::Vector3d> rest_of(const AnimatedMesh& mesh) {
@@ -159,4 +159,4 @@ TEST(FullMatching, StillSurfacesAreMatchedByTheirShape) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::full_matching_test

@@ -14,7 +14,7 @@
 #include "tests/support/data.h"
 #include "tests/support/matching_problems.h"
 
-namespace kinemesh {
+namespace kinemesh::solve_matching_test {
 namespace {
 
 using test::InstanceKind;
@@ -279,4 +279,4 @@ TEST(MatchingProblem, EnergyRefusesLabellingsThatBreakUniqueness) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::solve_matching_test

@@ -12,7 +12,7 @@
 #include "tests/support/data.h"
 #include "tests/support/test_shapes.h"
 
-namespace kinemesh {
+namespace kinemesh::spherical_map_test {
 namespace {
 
 using test::Surface;
@@ -216,4 +216,4 @@ TEST(SphereCheck, SolidAngleFindsWhatDeterminantsDoNot) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::spherical_map_test

@@ -10,7 +10,7 @@
 #include "tests/support/data.h"
 #include "tests/support/ict_performer.h"
 
-namespace kinemesh {
+namespace kinemesh::time_warp_test {
 namespace {
 
 double bump(double t, double centre, double width) {
@@ -124,4 +124,4 @@ TEST(TimeWarp, BadInputIsRefused) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::time_warp_test

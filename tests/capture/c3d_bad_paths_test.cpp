@@ -12,7 +12,7 @@
 #include "config/error.h"
 #include "tests/support/c3d_takes.h"
 
-namespace kinemesh {
+namespace kinemesh::c3d_bad_paths_test {
 namespace {
 
 std::string refusal(const std::filesystem::path& path) {
@@ -98,4 +98,4 @@ TEST_F(C3dBadPaths, AFileMayShrinkWhileItIsRead) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::c3d_bad_paths_test

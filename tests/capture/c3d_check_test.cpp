@@ -15,7 +15,7 @@
 #include "tests/support/data.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kinemesh {
+namespace kinemesh::c3d_check_test {
 namespace {
 
 bool has(const C3dCheckResult& result, std::string_view code) {
@@ -166,4 +166,4 @@ TEST(C3dCheck, HealthyRealFilesAgreeWithEzc3d) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::c3d_check_test

@@ -6,7 +6,7 @@
 #include "tests/support/c3d_parts.h"
 #include "tests/support/c3d_takes.h"
 
-namespace kinemesh {
+namespace kinemesh::c3d_dialects_test {
 namespace {
 
 using test::C3dParts;
@@ -87,4 +87,4 @@ TEST(C3dDialects, ChannelsThatOnlyTheAnalogGroupClaims) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::c3d_dialects_test

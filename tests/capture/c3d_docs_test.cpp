@@ -9,7 +9,7 @@
 #include "config/output_file.h"
 #include "tests/support/data.h"
 
-namespace kinemesh {
+namespace kinemesh::c3d_docs_test {
 namespace {
 
 constexpr std::string_view begin_mark =
@@ -66,4 +66,4 @@ TEST(C3dDocs, EveryCodeIsTested) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::c3d_docs_test

@@ -12,7 +12,7 @@
 #include "tests/support/c3d_parts.h"
 #include "tests/support/c3d_takes.h"
 
-namespace kinemesh {
+namespace kinemesh::c3d_findings_test {
 namespace {
 
 using test::C3dParts;
@@ -476,4 +476,4 @@ TEST(C3dFindingTable, HealthyFilesHaveNone) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::c3d_findings_test

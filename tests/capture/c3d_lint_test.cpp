@@ -6,7 +6,7 @@
 
 #include "capture/c3d/summary.h"
 
-namespace kinemesh {
+namespace kinemesh::c3d_lint_test {
 namespace {
 
 /// Four markers that move within half a metre, with residuals: nothing to say about it.
@@ -194,4 +194,4 @@ TEST(C3dSummary, JsonHasTheDocumentedFields) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::c3d_lint_test

@@ -15,7 +15,7 @@
 #include "tests/support/c3d_takes.h"
 #include "tests/support/data.h"
 
-namespace kinemesh {
+namespace kinemesh::c3d_other_readers_test {
 namespace {
 
 /// A folder that is gone after the test.
@@ -229,4 +229,4 @@ TEST(C3dOtherReaders, ThePythonPackageReadsWhatWeWrite) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::c3d_other_readers_test

@@ -12,7 +12,7 @@
 #include "config/text.h"
 #include "tests/support/data.h"
 
-namespace kinemesh {
+namespace kinemesh::c3d_real_files_test {
 namespace {
 
 std::vector<std::filesystem::path> c3d_files(const std::filesystem::path& folder) {
@@ -261,4 +261,4 @@ TEST(C3dRealFiles, Ezc3dAgreesWhereItSupportsTheFile) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::c3d_real_files_test

@@ -20,7 +20,7 @@
 #include "tests/support/data.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kinemesh {
+namespace kinemesh::c3d_repair_test {
 namespace {
 
 struct Variant {
@@ -314,4 +314,4 @@ TEST(C3dRepair, SaysWhatItDid) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::c3d_repair_test

@@ -16,7 +16,7 @@
 #include "tests/support/c3d_takes.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kinemesh {
+namespace kinemesh::c3d_rotations_test {
 namespace {
 
 using test::has_finding;
@@ -159,4 +159,4 @@ TEST(C3dRotations, Ezc3dReadsThemAlike) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::c3d_rotations_test

@@ -14,7 +14,7 @@
 #include "tests/support/c3d_takes.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kinemesh {
+namespace kinemesh::c3d_second_opinion_test {
 namespace {
 
 MarkerSequence take_with_everything() {
@@ -178,4 +178,4 @@ TEST(SecondOpinion, TheReaderEzc3dRunsApartToo) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::c3d_second_opinion_test

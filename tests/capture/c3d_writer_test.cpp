@@ -12,7 +12,7 @@
 #include "tests/support/c3d_takes.h"
 #include "tests/support/data.h"
 
-namespace kinemesh {
+namespace kinemesh::c3d_writer_test {
 namespace {
 
 using test::add_analog;
@@ -262,4 +262,4 @@ TEST(C3dWriter, FilesAreTheSameAsTheBytesInMemory) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::c3d_writer_test

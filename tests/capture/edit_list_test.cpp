@@ -16,7 +16,7 @@
 #include "tests/support/data.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kinemesh {
+namespace kinemesh::edit_list_test {
 namespace {
 
 MarkerSequence edited(const MarkerSequence& take, const std::string& toml) {
@@ -282,4 +282,4 @@ TEST(EditList, SaysWhatIsWrongAndWhere) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::edit_list_test

@@ -10,7 +10,7 @@
 #include "capture/stabilise.h"
 #include "tests/support/c3d_takes.h"
 
-namespace kinemesh {
+namespace kinemesh::edit_rotations_test {
 namespace {
 
 constexpr std::size_t rotations = 2, samples = 2, floats = 17;
@@ -127,4 +127,4 @@ TEST(EditRotations, StabilisationTurnsThemIntoTheHead) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::edit_rotations_test

@@ -8,7 +8,7 @@
 #include "config/error.h"
 #include "tests/support/data.h"
 
-namespace kinemesh {
+namespace kinemesh::evaluate_fill_test {
 namespace {
 
 /// Markers that move together on a slow curve, each by its own factor.
@@ -81,4 +81,4 @@ TEST(EvaluateFill, SaysWhatIsImpossible) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::evaluate_fill_test

@@ -7,7 +7,7 @@
 
 #include "config/error.h"
 
-namespace kinemesh {
+namespace kinemesh::filter_test {
 namespace {
 
 constexpr double rate_hz = 100.0;
@@ -130,4 +130,4 @@ TEST(Filter, BadInput) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::filter_test

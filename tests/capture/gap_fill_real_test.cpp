@@ -7,7 +7,7 @@
 #include "capture/session.h"
 #include "tests/support/data.h"
 
-namespace kinemesh {
+namespace kinemesh::gap_fill_real_test {
 namespace {
 
 constexpr const char* jaw = "c3d_face/AnimFace-Jaw.c3d";
@@ -111,4 +111,4 @@ TEST(GapFillOnFaces, WorksWithSixteenMarkers) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::gap_fill_real_test

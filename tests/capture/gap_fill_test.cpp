@@ -11,7 +11,7 @@
 #include "capture/fill/spline.h"
 #include "config/error.h"
 
-namespace kinemesh {
+namespace kinemesh::gap_fill_test {
 namespace {
 
 constexpr double pi = 3.14159265358979323846;
@@ -289,4 +289,4 @@ TEST(NaturalSpline, ReproducesItsPolynomialsAndScipysValues) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::gap_fill_test

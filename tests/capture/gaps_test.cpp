@@ -4,7 +4,7 @@
 
 #include <array>
 
-namespace kinemesh {
+namespace kinemesh::gaps_test {
 namespace {
 
 MarkerSequence take_with(std::vector<std::string> patterns) {
@@ -55,4 +55,4 @@ TEST(Gaps, ATakeWithoutFramesHasNone) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::gaps_test

@@ -4,7 +4,7 @@
 
 #include "config/error.h"
 
-namespace kinemesh {
+namespace kinemesh::marker_selection_test {
 namespace {
 
 Marker marker(std::string label, std::string subject = {}, MarkerKind kind = MarkerKind::marker) {
@@ -108,4 +108,4 @@ TEST(MarkerSelection, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::marker_selection_test

@@ -16,7 +16,7 @@
 #include "tests/support/faults.h"
 #include "tests/support/samples.h"
 
-namespace kinemesh {
+namespace kinemesh::quality_test {
 namespace {
 
 MarkerSequence sample(const std::string& name) {
@@ -337,4 +337,4 @@ TEST(Clean, AMarkerThatExistsTwice) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::quality_test

@@ -14,7 +14,7 @@
 #include "tests/support/data.h"
 #include "tests/support/shuffled_take.h"
 
-namespace kinemesh {
+namespace kinemesh::repair_test {
 namespace {
 
 MarkerSequence sample(const std::string& name) {
@@ -288,4 +288,4 @@ TEST(Labelling, BadInput) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::repair_test

@@ -6,7 +6,7 @@
 
 #include "config/error.h"
 
-namespace kinemesh {
+namespace kinemesh::session_diff_test {
 namespace {
 
 MarkerSequence plain_take(std::size_t frames = 10) {
@@ -112,4 +112,4 @@ TEST(SessionDiff, AnotherOrderIsOneDifference) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::session_diff_test

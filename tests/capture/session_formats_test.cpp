@@ -17,7 +17,7 @@
 #include "mesh/formats/npz.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kinemesh {
+namespace kinemesh::session_formats_test {
 namespace {
 
 /// Two subjects with a gap, an estimated sample, an angle, a point at the origin, events and
@@ -401,4 +401,4 @@ TEST(SessionExport, UnknownExtensionAndImpossibleFolderAreNamed) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::session_formats_test

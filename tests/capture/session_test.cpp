@@ -10,7 +10,7 @@
 #include "tests/support/data.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kinemesh {
+namespace kinemesh::session_test {
 namespace {
 
 TEST(Session, FormatsAreKnownByContentBeforeTheExtension) {
@@ -106,4 +106,4 @@ TEST(Session, EveryRealFileIsExportedAndReadBackAlike) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::session_test

@@ -6,7 +6,7 @@
 #include "tests/support/data.h"
 #include "tests/support/faults.h"
 
-namespace kinemesh {
+namespace kinemesh::spikes_test {
 namespace {
 
 MarkerSequence sample(const std::string& name) {
@@ -78,4 +78,4 @@ TEST(Spikes, ManyInRealTakes) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::spikes_test

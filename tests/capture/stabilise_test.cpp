@@ -9,7 +9,7 @@
 #include "capture/rigid_markers.h"
 #include "config/error.h"
 
-namespace kinemesh {
+namespace kinemesh::stabilise_test {
 namespace {
 
 /// A head: six rig markers, then skin on a 20 mm grid whose lower part swings like a jaw.
@@ -213,4 +213,4 @@ TEST(RigidFit, IsTheRotationEvenWhenAReflectionFitsBetter) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::stabilise_test

@@ -9,7 +9,7 @@
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kinemesh {
+namespace kinemesh::align_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -50,4 +50,4 @@ TEST(AlignCommand, TheSameCylinderAtTwoRatesAndOneThatDoesNotMove) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::align_test

@@ -13,7 +13,7 @@
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kinemesh {
+namespace kinemesh::animate_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -83,4 +83,4 @@ TEST(AnimateCommand, WrongInputsEndWithAMessageAndNoFile) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::animate_test

@@ -17,7 +17,7 @@
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kinemesh {
+namespace kinemesh::batch_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -203,4 +203,4 @@ TEST(Batch, WrongUsageIsSaid) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::batch_test

@@ -12,7 +12,7 @@
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kinemesh {
+namespace kinemesh::c3d_cli_test {
 namespace {
 
 using test::ProgramRun;
@@ -152,4 +152,4 @@ TEST_F(C3dCommands, CheckRunsOverAllConformanceFiles) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::c3d_cli_test

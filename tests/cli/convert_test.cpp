@@ -14,7 +14,7 @@
 #include "tests/support/sanitizers.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kinemesh {
+namespace kinemesh::convert_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -307,4 +307,4 @@ TEST(Convert, ErrorsNameFileAndRemedy) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::convert_test

@@ -12,7 +12,7 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_shapes.h"
 
-namespace kinemesh {
+namespace kinemesh::correspond_test {
 namespace {
 
 class CorrespondCommand : public ::testing::Test {
@@ -87,4 +87,4 @@ TEST_F(CorrespondCommand, RefusesWhatHasNoMapAndSaysWhy) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::correspond_test

@@ -9,7 +9,7 @@
 #include "tests/support/command_test.h"
 #include "tests/support/test_shapes.h"
 
-namespace kinemesh {
+namespace kinemesh::geodesics_command_test {
 namespace {
 
 class GeodesicsCommand : public test::CommandTest {
@@ -60,4 +60,4 @@ TEST_F(GeodesicsCommand, MistakesHaveTheirExitCodeAndLeaveNothing) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::geodesics_command_test

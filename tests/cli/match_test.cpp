@@ -8,7 +8,7 @@
 #include "tests/support/bending_cylinder.h"
 #include "tests/support/command_test.h"
 
-namespace kinemesh {
+namespace kinemesh::match_test {
 namespace {
 
 class MatchCommand : public test::CommandTest {
@@ -56,4 +56,4 @@ TEST_F(MatchCommand, MistakesHaveTheirExitCode) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::match_test

@@ -10,7 +10,7 @@
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kinemesh {
+namespace kinemesh::process_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -101,4 +101,4 @@ TEST_F(Process, QualityGivesALineJsonAndAPicture) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::process_test

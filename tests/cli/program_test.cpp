@@ -5,7 +5,7 @@
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kinemesh {
+namespace kinemesh::program_test {
 namespace {
 
 using test::ProgramRun;
@@ -81,4 +81,4 @@ TEST(Program, TheCommandLineWinsOverTheFile) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::program_test

@@ -6,7 +6,7 @@
 
 #include "tests/support/command_test.h"
 
-namespace kinemesh {
+namespace kinemesh::solve_matching_test {
 namespace {
 
 class SolveMatchingCommand : public test::CommandTest {
@@ -49,4 +49,4 @@ TEST_F(SolveMatchingCommand, MistakesHaveTheirExitCode) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::solve_matching_test

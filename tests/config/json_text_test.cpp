@@ -4,7 +4,7 @@
 
 #include "config/error.h"
 
-namespace kinemesh {
+namespace kinemesh::json_text_test {
 namespace {
 
 TEST(JsonText, NestingIsCountedOutsideStrings) {
@@ -26,4 +26,4 @@ TEST(JsonText, TooDeepIsRefusedWithTheFilesName) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::json_text_test

@@ -11,7 +11,7 @@
 #include "config/input_file.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kinemesh {
+namespace kinemesh::output_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -133,4 +133,4 @@ TEST(Sha256, AgreesWithThePublishedExamples) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::output_file_test

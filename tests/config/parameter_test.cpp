@@ -4,7 +4,7 @@
 
 #include "config/error.h"
 
-namespace kinemesh {
+namespace kinemesh::parameter_test {
 namespace {
 
 enum class Fill { none, spline };
@@ -99,4 +99,4 @@ TEST(Parameter, UnknownKeyNamesLineAndNearest) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::parameter_test

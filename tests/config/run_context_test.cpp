@@ -10,7 +10,7 @@
 #include "config/error.h"
 #include "config/parallel.h"
 
-namespace kinemesh {
+namespace kinemesh::run_context_test {
 namespace {
 
 TEST(RunContext, ProgressNeverGoesBackAndPartsMapIntoTheWhole) {
@@ -79,4 +79,4 @@ TEST(Parallel, ExceptionsAndCancellationReachTheCaller) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::run_context_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kinemesh {
+namespace kinemesh::text_test {
 namespace {
 
 TEST(Text, NumbersReadBackAndIgnoreTheLocale) {
@@ -37,4 +37,4 @@ TEST(Text, JoinTrimCount) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::text_test

@@ -9,7 +9,7 @@
 #include "config/output_file.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kinemesh {
+namespace kinemesh::expression_basis_test {
 namespace {
 
 /// Two known shapes that rise and fall; `phase` tells two performances apart.
@@ -70,4 +70,4 @@ TEST(ExpressionBasis, OtherMeshesAndBrokenFilesAreRefused) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::expression_basis_test

@@ -20,7 +20,7 @@
 #include "tests/support/random_animation.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kinemesh {
+namespace kinemesh::formats_bad_input_test {
 namespace {
 
 using Decode = MeshData (*)(std::span<const std::byte>, const std::string&);
@@ -308,4 +308,4 @@ TEST(NpzReader, WrongArraysAreNamed) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::formats_bad_input_test

@@ -7,7 +7,7 @@
 #include "tests/support/random_animation.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kinemesh {
+namespace kinemesh::formats_data_test {
 namespace {
 
 const FormatRegistry& formats() {
@@ -64,4 +64,4 @@ TEST(RealFiles, IctFaceIsOpenAndInCentimetres) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::formats_data_test

@@ -11,7 +11,7 @@
 #include "tests/support/random_animation.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kinemesh {
+namespace kinemesh::formats_test {
 namespace {
 
 using test::random_animation;
@@ -239,4 +239,4 @@ TEST(Formats, PositionsThatAreNoNumbersAreRefused) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::formats_test

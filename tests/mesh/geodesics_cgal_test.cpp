@@ -12,7 +12,7 @@
 #include "tests/support/data.h"
 #include "tests/support/test_shapes.h"
 
-namespace kinemesh {
+namespace kinemesh::geodesics_cgal_test {
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -94,4 +94,4 @@ TEST(GeodesicsCgal, RealMeshesAgree) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::geodesics_cgal_test

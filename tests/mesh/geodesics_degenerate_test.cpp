@@ -11,7 +11,7 @@
 #include "tests/support/random.h"
 #include "tests/support/test_shapes.h"
 
-namespace kinemesh {
+namespace kinemesh::geodesics_degenerate_test {
 namespace {
 
 using test::Random;
@@ -168,4 +168,4 @@ TEST(GeodesicsDegenerate, ChangingPentIsFiniteEverywhere) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::geodesics_degenerate_test

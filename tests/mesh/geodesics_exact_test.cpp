@@ -9,7 +9,7 @@
 #include "tests/support/random.h"
 #include "tests/support/test_shapes.h"
 
-namespace kinemesh {
+namespace kinemesh::geodesics_exact_test {
 namespace {
 
 using test::Random;
@@ -282,4 +282,4 @@ TEST(GeodesicsExact, WrongInputIsRefusedWithItsPlace) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::geodesics_exact_test

@@ -17,7 +17,7 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_shapes.h"
 
-namespace kinemesh {
+namespace kinemesh::geodesics_methods_test {
 namespace {
 
 using test::Surface;
@@ -157,4 +157,4 @@ TEST(GeodesicsAllPairs, RowsAreSingleSearchesForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::geodesics_methods_test

@@ -19,7 +19,7 @@
 #include "tests/support/random_animation.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kinemesh {
+namespace kinemesh::gltf_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -386,4 +386,4 @@ TEST(Movement, LeavesRigidMotionOut) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::gltf_test

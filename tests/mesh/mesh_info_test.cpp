@@ -6,7 +6,7 @@
 
 #include "tests/support/random_animation.h"
 
-namespace kinemesh {
+namespace kinemesh::mesh_info_test {
 namespace {
 
 AnimatedMesh with_faces(std::size_t vertices, std::vector<Triangle> faces, std::size_t frames = 1) {
@@ -93,4 +93,4 @@ TEST(MeshInfo, ShapesOfKnownTriangles) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::mesh_info_test

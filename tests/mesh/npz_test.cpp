@@ -10,7 +10,7 @@
 #include "config/output_file.h"
 #include "mesh/formats/zip.h"
 
-namespace kinemesh {
+namespace kinemesh::npz_test {
 namespace {
 
 std::filesystem::path temporary(const std::string& name) {
@@ -96,4 +96,4 @@ TEST(Npz, DamagedArchivesAreRefusedWhereverTheyAreCut) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::npz_test

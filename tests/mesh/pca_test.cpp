@@ -8,7 +8,7 @@
 #include "config/error.h"
 #include "tests/support/random_animation.h"
 
-namespace kinemesh {
+namespace kinemesh::pca_test {
 namespace {
 
 /// mean + Σ scores · modes with known orthonormal modes and uncorrelated scores.
@@ -108,4 +108,4 @@ TEST(Pca, StillAndEmptyMeshes) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::pca_test

@@ -8,7 +8,7 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_shapes.h"
 
-namespace kinemesh {
+namespace kinemesh::surface_map_io_test {
 namespace {
 
 SurfaceMap example(bool confident) {
@@ -92,4 +92,4 @@ TEST(SurfaceMapIo, MapsAreCheckedAgainstTheirMeshes) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::surface_map_io_test

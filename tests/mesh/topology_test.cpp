@@ -4,7 +4,7 @@
 
 #include "config/error.h"
 
-namespace kinemesh {
+namespace kinemesh::topology_test {
 namespace {
 
 std::vector<Triangle> tetrahedron() { return {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}; }
@@ -79,4 +79,4 @@ TEST(Topology, WrongFacesAreNamed) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::topology_test

@@ -17,7 +17,7 @@
 #include "tests/support/synthetic_take.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kinemesh {
+namespace kinemesh::animate_scan_test {
 namespace {
 
 struct Recorded {
@@ -211,4 +211,4 @@ TEST(AnimateScan, ACloudOfPointsIsRefused) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::animate_scan_test

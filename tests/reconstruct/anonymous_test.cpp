@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace kinemesh {
+namespace kinemesh::anonymous_test {
 namespace {
 
 MarkerSequence session_of(const std::string& subject) {
@@ -48,4 +48,4 @@ TEST(Anonymiser, NoTextOfAConversionKeepsTheName) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::anonymous_test

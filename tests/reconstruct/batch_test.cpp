@@ -9,7 +9,7 @@
 #include "reconstruct/batch_manifest.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kinemesh {
+namespace kinemesh::batch_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -140,4 +140,4 @@ TEST(BatchJournal, TheKeyChangesWithContentOptionsAndProgram) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::batch_test

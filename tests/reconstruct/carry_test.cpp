@@ -7,7 +7,7 @@
 #include "config/error.h"
 #include "tests/reconstruct/cloud.h"
 
-namespace kinemesh {
+namespace kinemesh::carry_test {
 namespace {
 
 using test::make_take;
@@ -104,4 +104,4 @@ TEST(Carry, SameForAnyThreadCount) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::carry_test

@@ -8,7 +8,7 @@
 
 #include "tests/reconstruct/cloud.h"
 
-namespace kinemesh {
+namespace kinemesh::convert_summary_test {
 namespace {
 
 using test::cap;
@@ -74,4 +74,4 @@ TEST(ConvertSummary, HalfAnEyeIsDoubtful) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::convert_summary_test

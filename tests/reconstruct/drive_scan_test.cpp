@@ -12,7 +12,7 @@
 #include "tests/support/data.h"
 #include "tests/support/ict_expressions.h"
 
-namespace kinemesh {
+namespace kinemesh::drive_scan_test {
 namespace {
 
 /// A flat sheet, slit from the middle of one side to its middle, 2 mm between vertices.
@@ -253,4 +253,4 @@ TEST(MarkerField, AbsenceRisesAndFallsSmoothly) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::drive_scan_test

@@ -6,7 +6,7 @@
 #include "reconstruct/triangulate.h"
 #include "tests/reconstruct/cloud.h"
 
-namespace kinemesh {
+namespace kinemesh::edge_constraints_test {
 namespace {
 
 using test::make_take;
@@ -99,4 +99,4 @@ TEST(EdgeConstraints, ImpossibleOnesAreRefusedWithTheMarkersNamed) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::edge_constraints_test

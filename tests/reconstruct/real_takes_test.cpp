@@ -12,7 +12,7 @@
 #include "reconstruct/triangulate.h"
 #include "tests/support/data.h"
 
-namespace kinemesh {
+namespace kinemesh::real_takes_test {
 namespace {
 
 /// The chosen markers of a recording, without gaps.
@@ -82,4 +82,4 @@ TEST(RealTakes, NothingOpensWhereTheEyebrowsMove) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::real_takes_test

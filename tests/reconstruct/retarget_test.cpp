@@ -11,7 +11,7 @@
 #include "tests/support/data.h"
 #include "tests/support/ict_performer.h"
 
-namespace kinemesh {
+namespace kinemesh::retarget_test {
 namespace {
 
 /// A bumpy sheet whose motion bends and stretches it.
@@ -131,4 +131,4 @@ TEST(Retarget, WhatDoesNotBelongTogetherIsRefused) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::retarget_test

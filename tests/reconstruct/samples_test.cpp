@@ -11,7 +11,7 @@
 #include "tests/support/data.h"
 #include "tests/support/samples.h"
 
-namespace kinemesh::test {
+namespace kinemesh::test::samples_test {
 namespace {
 
 void expect_same(const MarkerSequence& file, const MarkerSequence& made) {
@@ -89,4 +89,4 @@ TEST(Samples, TheTruthBesideThemIsTheGenerators) {
 }
 
 }  // namespace
-}  // namespace kinemesh::test
+}  // namespace kinemesh::test::samples_test

@@ -11,7 +11,7 @@
 #include "tests/support/surface_distance.h"
 #include "tests/support/synthetic_body.h"
 
-namespace kinemesh::test {
+namespace kinemesh::test::synthetic_delaunay_test {
 namespace {
 
 /// A square of `cells`² cells from 0 to `size`, with inner vertices shaken so that obtuse
@@ -239,4 +239,4 @@ TEST(SyntheticDelaunay, EqualsTheConvexHullOnASphere) {
 }
 
 }  // namespace
-}  // namespace kinemesh::test
+}  // namespace kinemesh::test::synthetic_delaunay_test

@@ -10,7 +10,7 @@
 #include "tests/support/synthetic_body.h"
 #include "tests/support/synthetic_face.h"
 
-namespace kinemesh::test {
+namespace kinemesh::test::synthetic_face_test {
 namespace {
 
 using enum Expression;
@@ -244,4 +244,4 @@ TEST(SyntheticBodies, MarkersKeepTheirDistance) {
 }
 
 }  // namespace
-}  // namespace kinemesh::test
+}  // namespace kinemesh::test::synthetic_face_test

@@ -12,7 +12,7 @@
 #include "tests/support/ict_performer.h"
 #include "tests/support/synthetic_body.h"
 
-namespace kinemesh::test {
+namespace kinemesh::test::synthetic_ict_test {
 namespace {
 
 class IctPerformer : public testing::Test {
@@ -237,4 +237,4 @@ TEST_F(IctPerformer, MarkersSitOnTheFaceAndAreRecorded) {
 }
 
 }  // namespace
-}  // namespace kinemesh::test
+}  // namespace kinemesh::test::synthetic_ict_test

@@ -9,7 +9,7 @@
 #include "tests/support/synthetic_take.h"
 #include "tests/support/triangulation_score.h"
 
-namespace kinemesh::test {
+namespace kinemesh::test::synthetic_take_test {
 namespace {
 
 SyntheticTake short_take(TakeOptions options = {}) {
@@ -227,4 +227,4 @@ TEST(SyntheticTake, SamplesAreWhatTheReadmeSays) {
 }
 
 }  // namespace
-}  // namespace kinemesh::test
+}  // namespace kinemesh::test::synthetic_take_test

@@ -10,7 +10,7 @@
 #include "tests/reconstruct/cloud.h"
 #include "tests/support/samples.h"
 
-namespace kinemesh {
+namespace kinemesh::topology_reuse_test {
 namespace {
 
 using test::cap;
@@ -133,4 +133,4 @@ TEST(TopologyReuse, AMeshOfAnotherSubjectIsRefused) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::topology_reuse_test

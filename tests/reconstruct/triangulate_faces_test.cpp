@@ -16,7 +16,7 @@
 #include "tests/support/synthetic_body.h"
 #include "tests/support/triangulation_score.h"
 
-namespace kinemesh {
+namespace kinemesh::triangulate_faces_test {
 namespace {
 
 using test::MotionKind;
@@ -191,4 +191,4 @@ TEST(TriangulateBodies, ClosedAndOpenOnesGiveAMesh) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::triangulate_faces_test

@@ -12,7 +12,7 @@
 #include "config/error.h"
 #include "tests/reconstruct/cloud.h"
 
-namespace kinemesh {
+namespace kinemesh::triangulate_test {
 namespace {
 
 using test::cap;
@@ -178,4 +178,4 @@ TEST(Triangulate, ReferenceIsTheFirstFrameWithAllMeasured) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::triangulate_test

@@ -9,7 +9,7 @@
 #include "report/clean_text.h"
 #include "report/gap_chart.h"
 
-namespace kinemesh {
+namespace kinemesh::chart_test {
 namespace {
 
 using Values = std::vector<double>;
@@ -201,4 +201,4 @@ TEST(GapChart, StaysLegibleForTwoHundredMarkers) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::chart_test

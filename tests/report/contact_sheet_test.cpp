@@ -7,7 +7,7 @@
 
 #include "config/error.h"
 
-namespace kinemesh {
+namespace kinemesh::contact_sheet_test {
 namespace {
 
 using Eigen::Vector3f;
@@ -109,4 +109,4 @@ TEST(ContactSheet, OddMeshes) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::contact_sheet_test

@@ -6,7 +6,7 @@
 #include "report/html/components.h"
 #include "report/html/mesh_viewer.h"
 
-namespace kinemesh {
+namespace kinemesh::html_test {
 namespace {
 
 constexpr const char* hostile = "<script>alert(1)</script>\"'&</pre><!--";
@@ -151,4 +151,4 @@ TEST(HtmlPage, IdsAreUnique) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::html_test

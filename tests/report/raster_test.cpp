@@ -6,7 +6,7 @@
 #include "config/error.h"
 #include "report/mesh_view.h"
 
-namespace kinemesh {
+namespace kinemesh::raster_test {
 namespace {
 
 using Eigen::Vector3f;
@@ -224,4 +224,4 @@ TEST(Camera, FaceIsSeenFromTheFrontUpright) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::raster_test
