@@ -16,7 +16,7 @@ namespace {
 using scale_space::SpatialLevels;
 using scale_space::TileLevels;
 
-constexpr std::size_t vertex_grain = 64;
+constexpr std::size_t smoothing_grain = 64;
 
 /// A minimum in scale, time and space.
 struct Extremum {
@@ -199,8 +199,8 @@ bool lowest_around(const Detector& d, const TileLevels& tile, const dog::TimeKer
 void test_tile(const Detector& d, const TileLevels& tile, const dog::TimeKernels& kernels,
                std::vector<Extremum>& extrema) {
   const std::size_t count = tile.end - tile.begin;
-  std::vector<std::vector<Extremum>> parts((count + vertex_grain - 1) / vertex_grain);
-  parallel_chunks(d.ctx, count, vertex_grain, [&](std::size_t begin, std::size_t end) {
+  std::vector<std::vector<Extremum>> parts((count + smoothing_grain - 1) / smoothing_grain);
+  parallel_chunks(d.ctx, count, smoothing_grain, [&](std::size_t begin, std::size_t end) {
     const FlushDenormals flush;
     dog::RowTester tester(d.scales, tile.frame_count);
     std::vector<dog::Hit> hits;
@@ -210,7 +210,7 @@ void test_tile(const Detector& d, const TileLevels& tile, const dog::TimeKernels
       for (const dog::Hit& hit : hits) {
         float response = 0.0F;
         if (!lowest_around(d, tile, kernels, slot, hit, response)) continue;
-        parts[begin / vertex_grain].push_back(
+        parts[begin / smoothing_grain].push_back(
             {d.order.order[tile.begin + slot], hit.k, hit.l, hit.frame, response});
       }
     }

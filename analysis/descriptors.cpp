@@ -17,17 +17,16 @@ void describe_by_curves(FeatureSet& set, const AnimatedMesh& animation,
 
 namespace {
 
-constexpr std::size_t bins = 32, azimuths = 8, elevations = 4;
+constexpr std::size_t bins = 32, sectors = 8, rings = 4;
 
 /// Angles between the middles of the bins.
 const std::array<std::array<double, bins>, bins>& bin_angles() {
   static const auto table = [] {
     std::array<Eigen::Vector3d, bins> directions;
     for (std::size_t b = 0; b < bins; ++b) {
-      const std::size_t ring = b / azimuths;
-      const double theta = (static_cast<double>(ring) + 0.5) * std::numbers::pi / elevations;
-      const double phi =
-          (static_cast<double>(b % azimuths) + 0.5) * 2 * std::numbers::pi / azimuths;
+      const std::size_t ring = b / sectors;
+      const double theta = (static_cast<double>(ring) + 0.5) * std::numbers::pi / rings;
+      const double phi = (static_cast<double>(b % sectors) + 0.5) * 2 * std::numbers::pi / sectors;
       directions[b] = {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi),
                        std::cos(theta)};
     }

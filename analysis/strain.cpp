@@ -11,7 +11,7 @@
 namespace kinemesh::strain {
 namespace {
 
-constexpr std::size_t vertex_grain = 128;
+constexpr std::size_t strain_grain = 128;
 
 /// sums[a * frames + f] += weights[a] * row[f], for a = 0, 1.
 KINEMESH_MULTIVERSION void add_scaled(float* sums, const float* row, std::size_t frames, float w0,
@@ -140,7 +140,7 @@ Stencils make_stencils(const Topology& topology, std::span<const Eigen::Vector3d
   stencils.basis.resize(2 * topology.vertex_count());
   const auto areas = vertex_areas(topology, rest);
   const auto normals = vertex_normals(topology, rest);
-  parallel_for(ctx, topology.vertex_count(), vertex_grain, [&](std::size_t v) {
+  parallel_for(ctx, topology.vertex_count(), strain_grain, [&](std::size_t v) {
     make_stencil(stencils.lists.of(v), rest, areas, normals,
                  stencils.weights.data() + 2 * stencils.lists.offsets[v],
                  stencils.basis.data() + 2 * v);
@@ -232,7 +232,7 @@ void bend_of_edges(const Topology& topology, const Block& block, std::vector<flo
   const std::size_t frames = block.stride;
   bend.assign(topology.edge_count() * frames, 0.0F);
   area.assign(topology.edge_count() * frames, 0.0F);
-  parallel_for(ctx, topology.edge_count(), vertex_grain, [&](std::size_t e) {
+  parallel_for(ctx, topology.edge_count(), strain_grain, [&](std::size_t e) {
     const Edge& edge = topology.edges()[e];
     if (edge.boundary()) return;
     const VertexIndex opposite[2] = {topology.from(Topology::previous(edge.left)),

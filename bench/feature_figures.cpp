@@ -301,7 +301,7 @@ void cylinder() {
        {Case{"as it is", 2.5, 60, 1, false}, Case{"double density", 1.25, 60, 1, false},
         Case{"double rate", 2.5, 120, 1, false}, Case{"turned and moved", 2.5, 60, 1, true},
         Case{"scaled by 1000", 2.5, 60, 1000, false}}) {
-    BendingCylinder shape = bending_cylinder(c.spacing, c.rate);
+    TwoJointCylinder shape = two_joint_cylinder(c.spacing, c.rate);
     for (std::size_t f = 0; f < shape.mesh.frame_count(); ++f) {
       for (VertexIndex v = 0; v < shape.mesh.vertex_count(); ++v) {
         auto p = shape.mesh.position(f, v);

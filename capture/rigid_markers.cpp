@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "capture/measured.h"
 #include "capture/stabilise.h"
 #include "config/parallel.h"
 
@@ -25,10 +26,6 @@ struct Sample {
   }
   bool has(std::size_t f, std::size_t k) const { return seen[f * markers.size() + k] != 0; }
 };
-
-bool measured(const MarkerSequence& take, std::size_t f, std::size_t m) {
-  return take.valid(f, m) && !take.filled(f, m) && take.position(f, m).allFinite();
-}
 
 Sample sample(const MarkerSequence& take) {
   Sample out;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "capture/c3d/point_table.h"
+#include "capture/measured.h"
 #include "capture/rigid_markers.h"
 #include "capture/rotation_data.h"
 #include "config/error.h"
@@ -17,11 +18,6 @@ namespace {
 
 constexpr double thinnest_mm =
     1.0;  // rigid markers closer to one line leave the turn about it open
-
-bool measured(const MarkerSequence& take, std::size_t frame, std::size_t marker) {
-  return take.valid(frame, marker) && !take.filled(frame, marker) &&
-         take.position(frame, marker).allFinite();
-}
 
 struct Observed {
   std::vector<Eigen::Vector3d> positions;

@@ -4,6 +4,10 @@ set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+# Half the time of a small source goes into headers. Names in unnamed namespaces are therefore unique
+# within a module.
+set(CMAKE_UNITY_BUILD ${KINEMESH_UNITY})
+set(CMAKE_UNITY_BUILD_BATCH_SIZE 6)
 
 add_library(kinemesh_compiler INTERFACE)
 # No contraction to fused multiply-add: the code paths chosen at run time must give the same bytes.

@@ -16,14 +16,14 @@ namespace {
 namespace fs = std::filesystem;
 
 /// A session as the manifest names it.
-struct Row {
+struct ManifestRow {
   std::string session, output, topology;
   std::size_t line = 0;
 };
 
 struct Listing {
   std::string folder, extension, options_toml;
-  std::vector<Row> rows;
+  std::vector<ManifestRow> rows;
 };
 
 [[noreturn]] void refuse(const fs::path& file, std::size_t line, const std::string& what,
@@ -50,10 +50,10 @@ std::string text_of(const fs::path& file, const std::string& key, const toml::no
                          : "Did you mean '" + nearest + "'?");
 }
 
-Row row_of(const fs::path& file, const toml::node& node) {
+ManifestRow row_of(const fs::path& file, const toml::node& node) {
   const toml::table* table = node.as_table();
   if (table == nullptr) refuse(file, line_of(node), "a session must be a table, [[session]]");
-  Row row{.line = line_of(node)};
+  ManifestRow row{.line = line_of(node)};
   for (const auto& [key, value] : *table) {
     const std::string name(key.str());
     std::string* field = name == "session"    ? &row.session
@@ -114,7 +114,7 @@ Listing listing_of_csv(const fs::path& file, const std::string& text) {
       continue;
     }
     if (cells.size() > columns.size()) table.refuse(i, "more cells than columns");
-    Row row{.line = i + 1};
+    ManifestRow row{.line = i + 1};
     for (std::size_t c = 0; c < cells.size(); ++c) {
       (columns[c] == "session"  ? row.session
        : columns[c] == "output" ? row.output
@@ -181,7 +181,7 @@ BatchManifest read_batch_manifest(const fs::path& file, const BatchManifestOptio
                     : !listing.folder.empty() ? base / listing.folder
                                               : base / (file.stem().string() + "_results");
   const std::string extension = listing.extension.empty() ? options.extension : listing.extension;
-  for (const Row& row : listing.rows) {
+  for (const ManifestRow& row : listing.rows) {
     if (row.session.empty()) refuse(file, row.line, "a session without a file");
     const std::string name =
         row.output.empty() ? fs::path(row.session).stem().string() + extension : row.output;

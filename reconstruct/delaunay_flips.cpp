@@ -10,8 +10,6 @@
 namespace kinemesh {
 namespace {
 
-DirectedEdge sorted(VertexIndex a, VertexIndex b) { return {std::min(a, b), std::max(a, b)}; }
-
 /// Edges, the smaller vertex first.
 using EdgeSet = std::set<DirectedEdge>;
 
@@ -50,7 +48,7 @@ class Flipper {
       const VertexIndex d = mesh_.opposite(b, a);
       mesh_.flip(a, b);
       place_of_.erase(edges_[i]);
-      edges_[i] = sorted(c, d);
+      edges_[i] = undirected(c, d);
       place_of_[edges_[i]] = i;
       for (const VertexIndex end : {c, d}) {
         update(end, a);
@@ -65,14 +63,14 @@ class Flipper {
   std::vector<DirectedEdge> inner_edges() const {
     std::vector<DirectedEdge> list;
     for (const auto& e : mesh_.edges()) {
-      if (!mesh_.is_boundary_edge(e[0], e[1]) && !keep_.contains(sorted(e[0], e[1])))
+      if (!mesh_.is_boundary_edge(e[0], e[1]) && !keep_.contains(undirected(e[0], e[1])))
         list.push_back(e);
     }
     return list;
   }
 
   void update(VertexIndex a, VertexIndex b) {
-    const auto at = place_of_.find(sorted(a, b));
+    const auto at = place_of_.find(undirected(a, b));
     if (at == place_of_.end()) return;
     const std::size_t i = at->second;
     best_.erase({-gains_[i], i});
@@ -89,14 +87,14 @@ class Flipper {
   double gain(VertexIndex a, VertexIndex b) const {
     const VertexIndex c = mesh_.opposite(a, b);
     const VertexIndex d = mesh_.opposite(b, a);
-    if (c == d || mesh_.has_edge(c, d) || avoid_.contains(sorted(c, d))) return 0.0;
+    if (c == d || mesh_.has_edge(c, d) || avoid_.contains(undirected(c, d))) return 0.0;
     const double ab = length(a, b), cd = length(c, d);
     const double ac = length(a, c), ad = length(a, d), bc = length(b, c), bd = length(b, d);
     if (angle_opposite(bc, ab, ac) + angle_opposite(bd, ab, ad) >= std::numbers::pi ||
         angle_opposite(ac, ab, bc) + angle_opposite(ad, ab, bd) >= std::numbers::pi) {
       return 0.0;  // the quadrilateral is not convex
     }
-    if (avoid_.contains(sorted(a, b))) return 2 * std::numbers::pi;
+    if (avoid_.contains(undirected(a, b))) return 2 * std::numbers::pi;
     if (folds(c, a, d) || folds(d, b, c)) return 0.0;
     const double g = angle_opposite(ab, bc, ac) + angle_opposite(ab, bd, ad) -
                      angle_opposite(cd, ac, ad) - angle_opposite(cd, bc, bd);

@@ -17,7 +17,7 @@ namespace kinemesh {
 namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
-using Points = std::span<const Eigen::Vector3d>;
+using PointSpan = std::span<const Eigen::Vector3d>;
 
 constexpr double reach_in_spacings = 1.6;
 constexpr Eigen::Index columns_at_once = 16;
@@ -124,7 +124,7 @@ Eigen::MatrixXd affine(const std::vector<Eigen::Vector3d>& points) {
   return basis;
 }
 
-Eigen::MatrixXf euclidean_spread(Points positions, const std::vector<Eigen::Vector3d>& markers) {
+Eigen::MatrixXf euclidean_spread(PointSpan positions, const std::vector<Eigen::Vector3d>& markers) {
   const auto m = static_cast<Eigen::Index>(markers.size());
   Eigen::MatrixXd kernel(static_cast<Eigen::Index>(positions.size()), m);
   Eigen::MatrixXd among(m, m);
@@ -146,7 +146,7 @@ Eigen::MatrixXf euclidean_spread(Points positions, const std::vector<Eigen::Vect
   return kernel_spread(among, affine(own), kernel, affine(all));
 }
 
-Eigen::MatrixXf geodesic_spread(const Topology& topology, Points positions,
+Eigen::MatrixXf geodesic_spread(const Topology& topology, PointSpan positions,
                                 std::span<const SurfacePoint> points, const Sparse& sampling,
                                 const RunContext& ctx) {
   const GeodesicSolver solver(std::make_shared<const Topology>(topology), positions);
@@ -199,7 +199,7 @@ double nearest_spacing(std::span<const Eigen::Vector3d> points) {
   return sum / static_cast<double>(points.size());
 }
 
-DriveOperator make_drive_operator(const Topology& topology, Points positions,
+DriveOperator make_drive_operator(const Topology& topology, PointSpan positions,
                                   std::span<const SurfacePoint> points, DriveMethod method,
                                   double reach_mm, const RunContext& ctx) {
   const auto start = std::chrono::steady_clock::now();

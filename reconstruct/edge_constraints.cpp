@@ -8,10 +8,8 @@
 namespace kinemesh {
 namespace {
 
-DirectedEdge sorted(VertexIndex a, VertexIndex b) { return {std::min(a, b), std::max(a, b)}; }
-
 bool contains(const std::vector<DirectedEdge>& list, VertexIndex a, VertexIndex b) {
-  return std::find(list.begin(), list.end(), sorted(a, b)) != list.end();
+  return std::find(list.begin(), list.end(), undirected(a, b)) != list.end();
 }
 
 /// The mesh around an edge to be, seen along the surface's normal.

@@ -15,6 +15,10 @@ namespace kinemesh {
 using Points = std::vector<Eigen::Vector3d>;
 /// A directed edge.
 using DirectedEdge = std::array<VertexIndex, 2>;
+/// The edge with its lesser vertex first, so that both directions are one.
+inline DirectedEdge undirected(VertexIndex a, VertexIndex b) {
+  return {std::min(a, b), std::max(a, b)};
+}
 
 class EditMesh {
  public:

@@ -14,8 +14,6 @@
 namespace kinemesh {
 namespace {
 
-DirectedEdge sorted(VertexIndex a, VertexIndex b) { return {std::min(a, b), std::max(a, b)}; }
-
 struct Scored {
   DirectedEdge edge;
   double score;
@@ -71,7 +69,7 @@ class StripGrower {
       } else {
         a = apex;
       }
-      edges.push_back({sorted(a, b), rule_.strength(a, b)});
+      edges.push_back({undirected(a, b), rule_.strength(a, b)});
       // The next triangle lies beyond the new edge, on its left in this direction.
     }
   }
@@ -84,7 +82,7 @@ class StripGrower {
       if (!find_way(a, b, doubtful, way)) continue;
       for (const auto& [p, q] : way) {
         taken_.insert({p, q});
-        edges.push_back({sorted(p, q), rule_.strength(p, q)});
+        edges.push_back({undirected(p, q), rule_.strength(p, q)});
       }
       a = way.back()[0];
       b = way.back()[1];

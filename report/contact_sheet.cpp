@@ -11,6 +11,7 @@
 #include "config/text.h"
 #include "report/camera.h"
 #include "report/chart.h"
+#include "report/figure_layout.h"
 #include "report/mesh_view.h"
 
 namespace kinemesh {
@@ -19,8 +20,7 @@ namespace {
 using Eigen::Vector3f;
 
 constexpr double cell_width = 250.0;
-constexpr double gap = 10.0;
-constexpr double margin = 18.0;
+constexpr double cell_gap = 10.0;
 constexpr double pixels_per_unit = 2.0;
 
 // Lengths of at most 1,000 edges of a frame.
@@ -165,15 +165,16 @@ class SheetPainter {
 
   Canvas draw(const RunContext& ctx) {
     const auto columns = static_cast<double>(shown_.size());
-    const double width =
-        std::max(2.0 * margin + label_width + columns * cell_width + (columns - 1.0) * gap, 640.0);
-    double height = top + caption_height + margin;
-    for (const Row& row : rows_) height += row.height + gap;
+    const double width = std::max(
+        2.0 * figure_margin + label_width + columns * cell_width + (columns - 1.0) * cell_gap,
+        640.0);
+    double height = top + caption_height + figure_margin;
+    for (const Row& row : rows_) height += row.height + cell_gap;
     Canvas canvas(width, height);
     draw_heading(canvas);
     double y = top;
     for (const Row& row : rows_) {
-      canvas.text({margin + 8.0, y + 0.5 * row.height}, row.name,
+      canvas.text({figure_margin + 8.0, y + 0.5 * row.height}, row.name,
                   {.size = 12.0,
                    .colour = muted_colour,
                    .align = TextAlign::centre,
@@ -186,7 +187,7 @@ class SheetPainter {
         draw_scene(canvas, box, scene_of(animation_, shown_[i]), row.camera, pixels_per_unit,
                    render_options, ctx);
       }
-      y += row.height + gap;
+      y += row.height + cell_gap;
     }
     for (std::size_t i = 0; i < shown_.size(); ++i) draw_caption(canvas, i, y);
     return canvas;
@@ -198,14 +199,15 @@ class SheetPainter {
   static constexpr double caption_height = 34.0;
 
   static double x_of(std::size_t column) {
-    return margin + label_width + static_cast<double>(column) * (cell_width + gap);
+    return figure_margin + label_width + static_cast<double>(column) * (cell_width + cell_gap);
   }
 
   void draw_heading(Canvas& canvas) {
-    const double width = canvas.width() - 2.0 * margin;
-    canvas.text_within({margin, 14}, options_.title.empty() ? "Animated mesh" : options_.title,
-                       width, {.size = 18, .bold = true, .anchor = TextAnchor::top});
-    canvas.text_within({margin, 40}, options_.subtitle, width,
+    const double width = canvas.width() - 2.0 * figure_margin;
+    canvas.text_within({figure_margin, 14},
+                       options_.title.empty() ? "Animated mesh" : options_.title, width,
+                       {.size = 18, .bold = true, .anchor = TextAnchor::top});
+    canvas.text_within({figure_margin, 40}, options_.subtitle, width,
                        {.size = 12, .colour = muted_colour, .anchor = TextAnchor::top});
     if (animation_.vertex_count() > 2000) return;
     std::vector<LegendEntry> legend = {
@@ -214,7 +216,7 @@ class SheetPainter {
         {"inside of the surface", SceneMesh{}.back_colour, LegendEntry::Symbol::box}};
     if (animation_.filled().empty()) legend[0].label = "vertex";
     if (animation_.filled().empty()) legend.erase(legend.begin() + 1);
-    draw_legend(canvas, {margin, 63}, width, legend, 12.0);
+    draw_legend(canvas, {figure_margin, 63}, width, legend, 12.0);
   }
 
   void draw_caption(Canvas& canvas, std::size_t column, double y) {

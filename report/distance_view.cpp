@@ -7,13 +7,13 @@
 #include "config/text.h"
 #include "report/camera.h"
 #include "report/chart.h"
+#include "report/figure_layout.h"
 #include "report/mesh_view.h"
 
 namespace kinemesh {
 namespace {
 
-constexpr double margin = 18.0, panel_width = 430.0, panel_height = 430.0, heading = 66.0,
-                 bar_height = 52.0;
+constexpr double view_width = 430.0, view_height = 430.0;
 
 double longest_of(const GeodesicField& field) {
   double longest = 0.0;
@@ -73,29 +73,31 @@ Canvas draw_distances(const Mesh& mesh, const GeodesicField& field,
   const BodyAxes axes = estimate_axes(*mesh.topology, positions);
   std::vector<Eigen::Vector3f> points;
   for (const Triangle& face : mesh.topology->faces()) points.push_back(mesh.positions[face[0]]);
-  Canvas canvas(2.0 * panel_width + 3.0 * margin, heading + panel_height + bar_height + margin);
-  const double width = canvas.width() - 2.0 * margin;
-  canvas.text_within({margin, 14.0}, options.title, width,
+  Canvas canvas(2.0 * view_width + 3.0 * figure_margin,
+                figure_heading + view_height + figure_bar_height + figure_margin);
+  const double width = canvas.width() - 2.0 * figure_margin;
+  canvas.text_within({figure_margin, 14.0}, options.title, width,
                      {.size = 18.0, .bold = true, .anchor = TextAnchor::top});
-  canvas.text_within({margin, 40.0}, options.subtitle, width,
+  canvas.text_within({figure_margin, 40.0}, options.subtitle, width,
                      {.size = 12.0, .colour = muted_colour, .anchor = TextAnchor::top});
-  double x = margin;
+  double x = figure_margin;
   for (const View view : {View::front, axes.faces ? View::three_quarter : View::back}) {
     Camera camera = camera_for(view, axes);
-    aim(camera, points, panel_width / panel_height);
-    const Box box{x, heading, panel_width, panel_height};
+    aim(camera, points, view_width / view_height);
+    const Box box{x, figure_heading, view_width, view_height};
     RenderOptions render_options;
     render_options.background = colour_from_hex(0xf4f6f8);
     draw_scene(canvas, box, scene_of(mesh, field, paths, scale, 0.01F * camera.view_height), camera,
                2.0, render_options, ctx);
-    canvas.text({x + 8.0, heading + 8.0},
+    canvas.text({x + 8.0, figure_heading + 8.0},
                 view == View::front  ? "front"
                 : view == View::back ? "back"
                                      : "from the side",
                 {.size = 12.0, .colour = muted_colour, .anchor = TextAnchor::top});
-    x += panel_width + margin;
+    x += view_width + figure_margin;
   }
-  draw_colour_bar(canvas, {margin, heading + panel_height + 8.0, width, bar_height}, scale);
+  draw_colour_bar(
+      canvas, {figure_margin, figure_heading + view_height + 8.0, width, figure_bar_height}, scale);
   return canvas;
 }
 

@@ -6,12 +6,12 @@
 #include "config/error.h"
 #include "report/camera.h"
 #include "report/chart.h"
+#include "report/figure_layout.h"
 
 namespace kinemesh {
 namespace {
 
-constexpr double margin = 18.0, panel_width = 300.0, panel_height = 360.0, heading = 66.0,
-                 caption_height = 24.0, bar_height = 52.0;
+constexpr double panel_width = 300.0, panel_height = 360.0, caption_height = 24.0;
 
 ColourScale scale_of(const std::vector<ErrorPanel>& panels, const ErrorViewOptions& options) {
   ColourScale scale;
@@ -39,11 +39,12 @@ Canvas draw_error_view(const std::vector<ErrorPanel>& panels, const ErrorViewOpt
   const std::size_t columns = std::clamp<std::size_t>(options.columns, 1, panels.size());
   const std::size_t rows = (panels.size() + columns - 1) / columns;
   const double row_height = panel_height + caption_height;
-  const double width = static_cast<double>(columns) * (panel_width + margin) + margin;
-  Canvas canvas(width, heading + static_cast<double>(rows) * row_height + bar_height + margin);
-  canvas.text_within({margin, 14.0}, options.title, width - 2.0 * margin,
+  const double width = static_cast<double>(columns) * (panel_width + figure_margin) + figure_margin;
+  Canvas canvas(width, figure_heading + static_cast<double>(rows) * row_height + figure_bar_height +
+                           figure_margin);
+  canvas.text_within({figure_margin, 14.0}, options.title, width - 2.0 * figure_margin,
                      {.size = 18.0, .bold = true, .anchor = TextAnchor::top});
-  canvas.text_within({margin, 40.0}, options.subtitle, width - 2.0 * margin,
+  canvas.text_within({figure_margin, 40.0}, options.subtitle, width - 2.0 * figure_margin,
                      {.size = 12.0, .colour = muted_colour, .anchor = TextAnchor::top});
   const ErrorPanel& first = panels.front();
   const FrameView rest(first.positions.front().data(),
@@ -54,9 +55,10 @@ Canvas draw_error_view(const std::vector<ErrorPanel>& panels, const ErrorViewOpt
   aim(camera, all, panel_width / panel_height);
   const ColourScale scale = scale_of(panels, options);
   for (std::size_t i = 0; i < panels.size(); ++i) {
-    const double x = margin + static_cast<double>(i % columns) * (panel_width + margin);
+    const double x =
+        figure_margin + static_cast<double>(i % columns) * (panel_width + figure_margin);
     const std::size_t row = i / columns;
-    const double y = heading + static_cast<double>(row) * row_height;
+    const double y = figure_heading + static_cast<double>(row) * row_height;
     Scene scene;
     scene.meshes.push_back({panels[i].topology, panels[i].positions});
     scene.meshes.back().values = panels[i].values;
@@ -68,10 +70,10 @@ Canvas draw_error_view(const std::vector<ErrorPanel>& panels, const ErrorViewOpt
     canvas.text_within({x, y + panel_height + 6.0}, panels[i].caption, panel_width,
                        {.size = 12.0, .colour = muted_colour, .anchor = TextAnchor::top});
   }
-  draw_colour_bar(
-      canvas,
-      {margin, heading + static_cast<double>(rows) * row_height, width - 2.0 * margin, bar_height},
-      scale);
+  draw_colour_bar(canvas,
+                  {figure_margin, figure_heading + static_cast<double>(rows) * row_height,
+                   width - 2.0 * figure_margin, figure_bar_height},
+                  scale);
   return canvas;
 }
 

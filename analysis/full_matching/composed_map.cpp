@@ -17,7 +17,6 @@ namespace kinemesh::full_matching {
 
 namespace {
 
-constexpr double slenderness = 0.1;     // thinner triangles count as this thick
 constexpr double filling_weight = 0.1;  // of the distortion of A's fillings
 // A little of the distortion of A → sphere, so that what is tangled in a filling or a fold of B,
 // where the other terms say little, comes free again; over the sphere's area, 4π.
@@ -142,7 +141,7 @@ void ComposedMap::gather(VertexIndex v) {
     const VertexIndex b = ring[i], c = ring[i + 1 == ring.size() ? 0 : i + 1];
     const spherical::RestTriangle rest =
         spherical::rest_triangle(signals_.positions[v], signals_.positions[b],
-                                 signals_.positions[c], slenderness, shortest_);
+                                 signals_.positions[c], spherical::map_slenderness, shortest_);
     Corner& k = corners_[i];
     k.b = sphere_[b];
     k.c = sphere_[c];

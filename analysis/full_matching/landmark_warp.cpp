@@ -11,11 +11,10 @@ namespace kinemesh::full_matching {
 
 namespace {
 
-constexpr double kept = 0.3;  // of a triangle's area that the last step must leave
+constexpr double kept_area = 0.3;  // of a triangle's area that the last step must leave
 constexpr double first_pull = 0.1, last_pull = 1e7, growth = 1.25;  // of the springs
-constexpr double near = 1e-3;        // of a goal: there an anchor may be put onto it
-constexpr int sweeps = 3;            // with springs of one strength
-constexpr double slenderness = 0.1;  // as in the composed map
+constexpr double near_goal = 1e-3;  // of a goal: there an anchor may be put onto it
+constexpr int sweeps = 3;           // with springs of one strength
 
 /// Whether every triangle around v keeps a part of its area when v moves to p.
 bool leaves_room(const spherical::RingMesh& mesh, const std::vector<Eigen::Vector3d>& points,
@@ -25,7 +24,7 @@ bool leaves_room(const spherical::RingMesh& mesh, const std::vector<Eigen::Vecto
     const Eigen::Vector3d &b = points[ring[i]], &c = points[ring[(i + 1) % ring.size()]];
     const Eigen::Vector3d normal = b.cross(c - b);
     const double before = (points[v] - b).dot(normal), after = (p - b).dot(normal);
-    if (!(after > kept * before) || orientation(p, b, c) <= 0) return false;
+    if (!(after > kept_area * before) || orientation(p, b, c) <= 0) return false;
   }
   return true;
 }
@@ -33,7 +32,7 @@ bool leaves_room(const spherical::RingMesh& mesh, const std::vector<Eigen::Vecto
 /// Puts an anchor on its goal when that is near and leaves room.
 bool arrive(const spherical::RingMesh& mesh, std::vector<Eigen::Vector3d>& points,
             const Anchor& anchor) {
-  if ((points[anchor.vertex] - anchor.goal).norm() > near ||
+  if ((points[anchor.vertex] - anchor.goal).norm() > near_goal ||
       !leaves_room(mesh, points, anchor.vertex, anchor.goal))
     return false;
   points[anchor.vertex] = anchor.goal;
@@ -63,7 +62,7 @@ std::vector<std::size_t> warp_to_anchors(const spherical::RingMesh& mesh,
                                          std::vector<Eigen::Vector3d>& points,
                                          std::span<const Anchor> anchors, const RunContext& ctx) {
   turn_towards(mesh, points, anchors);
-  spherical::SphereDescent descent(mesh, rest, points, slenderness, 1e-3);
+  spherical::SphereDescent descent(mesh, rest, points, spherical::map_slenderness, 1e-3);
   descent.set_scale(descent.fitting_scale());
   std::vector<uint32_t> anchor_of(points.size(), invalid_index);
   for (std::size_t k = 0; k < anchors.size(); ++k)

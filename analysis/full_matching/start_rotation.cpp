@@ -11,8 +11,9 @@ namespace kinemesh::full_matching {
 
 namespace {
 
-constexpr std::size_t few = 200, many = 800;  // places compared: for all rotations, for the best
-constexpr std::size_t refined = 10;           // rotations that are refined
+constexpr std::size_t few_places = 200,
+                      many_places = 800;  // places compared: all rotations, the best
+constexpr std::size_t refined = 10;       // rotations that are refined
 
 class Scorer {
  public:
@@ -22,7 +23,7 @@ class Scorer {
       : source_(source), sphere_(sphere), target_(target), anchors_(anchors), weights_(weights) {
     std::mt19937_64 random(seed);
     std::discrete_distribution<std::size_t> by_area(source.areas.begin(), source.areas.end());
-    for (std::size_t k = 0; k < many; ++k) sample_.push_back(by_area(random));
+    for (std::size_t k = 0; k < many_places; ++k) sample_.push_back(by_area(random));
   }
 
   double operator()(const Eigen::Matrix3d& rotation, std::size_t count) {
@@ -113,20 +114,20 @@ Eigen::Matrix3d start_rotation(const SurfaceSignals& source,
   for (int k = 0; k < count; ++k) {
     if (k % 64 == 0) ctx.check_cancelled();
     const Eigen::Matrix3d rotation = spread_rotation(k, count);
-    tried.push_back({score(rotation, few), rotation});
+    tried.push_back({score(rotation, few_places), rotation});
   }
   std::ranges::stable_sort(tried, {}, &Tried::value);
   tried.resize(std::min(tried.size(), refined));
   std::mt19937_64 random(ctx.seed() + 2);
   std::normal_distribution<double> normal;
   for (Tried& start : tried) {
-    start.value = score(start.rotation, many);
+    start.value = score(start.rotation, many_places);
     for (double size = 0.2; size > 0.01; size *= 0.93) {
       const Eigen::Vector3d turn(normal(random), normal(random), normal(random));
       const double angle = size * turn.norm();
       const Eigen::Matrix3d rotation =
           Eigen::AngleAxisd(angle, turn.normalized()).toRotationMatrix() * start.rotation;
-      const double value = score(rotation, many);
+      const double value = score(rotation, many_places);
       if (value < start.value) start = {value, rotation};
     }
   }

@@ -10,7 +10,6 @@
 namespace kinemesh::graph_matching {
 namespace {
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr std::size_t entry_bytes = 16;
 constexpr std::size_t many_entries = 500'000;  // sweeps are slow: a bound before the first
 

@@ -7,6 +7,7 @@
 
 #include "config/error.h"
 #include "config/input_file.h"
+#include "config/text.h"
 
 namespace kinemesh {
 namespace {
@@ -184,12 +185,6 @@ class Parser {
   std::vector<std::pair<uint32_t, std::size_t>> order_;  // index and line of each assignment read
   MatchingProblem problem_;
 };
-
-void append_number(std::string& text, double value) {
-  std::array<char, 32> digits{};
-  const auto result = std::to_chars(digits.data(), digits.data() + digits.size(), value);
-  text.append(digits.data(), result.ptr);
-}
 
 }  // namespace
 

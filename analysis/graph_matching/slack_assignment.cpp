@@ -6,7 +6,6 @@
 namespace kinemesh::graph_matching {
 namespace {
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr uint32_t free_column = UINT32_MAX;
 constexpr uint32_t unassigned = UINT32_MAX - 1;  // a row that has neither column nor slack yet
 

@@ -3,10 +3,14 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
 namespace kinemesh::graph_matching {
+
+/// The cost of what is ruled out.
+inline constexpr double infinite = std::numeric_limits<double>::infinity();
 
 /// Minimises Σ cost(r,c) x(r,c) + Σ slack(r) x(r,–) + Σ slack(c) x(–,c), every row and column
 /// covered once. Shortest augmenting paths (Jonker & Volgenant 1987) over sparse rows. Costs may be

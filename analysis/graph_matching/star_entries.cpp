@@ -7,7 +7,6 @@
 namespace kinemesh::graph_matching {
 namespace {
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr std::size_t few_entries = 100'000;  // below, stars over everything cost nothing
 
 }  // namespace

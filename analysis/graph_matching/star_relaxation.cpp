@@ -4,11 +4,7 @@
 #include <limits>
 
 namespace kinemesh::graph_matching {
-namespace {
-
-constexpr double infinite = std::numeric_limits<double>::infinity();
-
-}  // namespace
+namespace {}  // namespace
 
 /// Collects what both stars hold of a's pairs into the linear assignment of star a.
 void StarRelaxation::gather(uint32_t a) {

@@ -15,6 +15,9 @@ struct RestTriangle {
   double area;
 };
 
+/// The slenderness below which triangles of a map count as thicker than they are.
+inline constexpr double map_slenderness = 0.1;
+
 /// Slivers are made thicker: the height over the longest edge is at least `slenderness` times that
 /// edge, which itself counts as at least `shortest`.
 inline RestTriangle rest_triangle(const Eigen::Vector3d& a, const Eigen::Vector3d& b,

@@ -173,6 +173,10 @@ C3dFinding c3d_finding(std::string_view code, std::string message, std::string p
           .remedy = std::string(kind->remedy)};
 }
 
+bool has_code(std::span<const C3dFinding> findings, std::string_view code) {
+  return std::ranges::any_of(findings, [&](const C3dFinding& f) { return f.code == code; });
+}
+
 bool has_errors(std::span<const C3dFinding> findings) {
   return std::ranges::any_of(findings,
                              [](const C3dFinding& f) { return f.severity == Severity::error; });

@@ -44,6 +44,8 @@ const C3dFindingKind* c3d_finding_kind(std::string_view code);
 /// A finding with severity and remedy as in the table. Throws InternalError for an unknown code.
 C3dFinding c3d_finding(std::string_view code, std::string message, std::string place);
 
+/// True when one of them has this code.
+bool has_code(std::span<const C3dFinding> findings, std::string_view code);
 /// True when one of them is an error.
 bool has_errors(std::span<const C3dFinding> findings);
 

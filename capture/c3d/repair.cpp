@@ -74,10 +74,6 @@ const std::map<std::string_view, std::string_view>& deeds() {
   return all;
 }
 
-bool has(const std::vector<C3dFinding>& findings, std::string_view code) {
-  return std::ranges::any_of(findings, [&](const C3dFinding& f) { return f.code == code; });
-}
-
 bool needs_repair(const std::vector<C3dFinding>& findings) {
   return std::ranges::any_of(findings,
                              [](const C3dFinding& f) { return deeds().contains(f.code); });
@@ -106,7 +102,7 @@ bool is_sound(const std::byte* point, Processor p) {
 /// Marks points of a real-valued data section whose numbers make no sense as gaps.
 std::size_t mark_gaps(std::string& data, const C3dReadResult& read) {
   const C3dLayout& layout = read.layout;
-  const bool wanted = has(read.findings, "C3D408") || has(read.findings, "C3D410");
+  const bool wanted = has_code(read.findings, "C3D408") || has_code(read.findings, "C3D410");
   if (!wanted || layout.storage != Storage::real) return 0;
   const std::string gap = gap_word(layout);
   std::size_t marked = 0;
@@ -207,7 +203,7 @@ std::string said(const C3dFinding& f) {
 void list_mends(C3dRepairResult& result) {
   for (const C3dFinding& f : result.before) {
     const auto deed = deeds().find(f.code);
-    if (deed == deeds().end() || has(result.after.findings, f.code)) continue;
+    if (deed == deeds().end() || has_code(result.after.findings, f.code)) continue;
     result.mended.push_back({f, std::string(deed->second)});
   }
 }

@@ -15,10 +15,6 @@
 namespace kinemesh {
 namespace {
 
-bool has(const std::vector<C3dFinding>& findings, std::string_view code) {
-  return std::ranges::any_of(findings, [&](const C3dFinding& f) { return f.code == code; });
-}
-
 bool any_parameter(const C3dParameters& tree, const auto& is) {
   return std::ranges::any_of(tree.groups, [&](const C3dGroup& g) {
     return std::ranges::any_of(g.parameters, [&](const C3dParameter& p) { return is(p); });
@@ -99,7 +95,7 @@ std::string analog_fault(const C3dReadResult& own) {
     negative = negative ||
                (p != nullptr && std::ranges::any_of(p->numbers, [](double v) { return v < 0.0; }));
   }
-  if (negative || has(own.findings, "C3D503")) return "ezc3d drops the sign of ANALOG:OFFSET";
+  if (negative || has_code(own.findings, "C3D503")) return "ezc3d drops the sign of ANALOG:OFFSET";
   return "";
 }
 
@@ -110,12 +106,12 @@ std::string known_fault(const Difference& difference, const C3dReadResult& own) 
     case DifferenceKind::camera_mask: return "ezc3d exchanges residual and camera mask";
     case DifferenceKind::position:
     case DifferenceKind::validity:
-      return has(own.findings, "C3D409") || has(own.findings, "C3D410")
+      return has_code(own.findings, "C3D409") || has_code(own.findings, "C3D410")
                  ? "ezc3d does not know 65535 as the mark of a gap"
                  : "";
     case DifferenceKind::analog: return analog_fault(own);
     case DifferenceKind::rate:
-      return has(own.findings, "C3D306") || has(own.findings, "C3D316")
+      return has_code(own.findings, "C3D306") || has_code(own.findings, "C3D316")
                  ? "ezc3d takes 0 Hz where neither header nor POINT:RATE gives a rate"
                  : "";
     case DifferenceKind::parameter:
@@ -157,7 +153,8 @@ std::string known_refusal(const C3dReadResult& own, const std::string& why) {
   if (std::string type = unexpected_type(tree); !type.empty()) return type;
   if (std::ranges::none_of(tree.groups, [](const C3dGroup& g) { return g.name == "POINT"; }))
     return "ezc3d knows the names of groups in capitals only";
-  if (has(own.findings, "C3D211") || has(own.findings, "C3D201") || has(own.findings, "C3D213")) {
+  if (has_code(own.findings, "C3D211") || has_code(own.findings, "C3D201") ||
+      has_code(own.findings, "C3D213")) {
     return "ezc3d expects the parameter records without gaps and within their block count";
   }
   return "";

@@ -11,8 +11,6 @@ namespace {
 
 using Rows = std::vector<std::vector<std::string>>;
 
-constexpr std::size_t none = PointColumns::none;
-
 /// The names and values of the first line, which alternate.
 std::map<std::string, std::string, std::less<>> general_information(
     const std::vector<std::string>& cells) {
@@ -32,7 +30,7 @@ bool is_type(const std::string& word) {
 
 /// Which of the rows above the columns say what.
 struct HeaderRows {
-  std::size_t axis_line = none;  // "Frame, Time (Seconds), X, Y, Z"
+  std::size_t axis_line = PointColumns::none;  // "Frame, Time (Seconds), X, Y, Z"
   std::vector<std::string> types, names, contents, axes;
 };
 
@@ -48,7 +46,7 @@ HeaderRows find_rows(const TableText& text) {
     }
     if (cells.size() > 2) above.emplace_back(line, std::move(cells));
   }
-  if (rows.axis_line == none) {
+  if (rows.axis_line == PointColumns::none) {
     text.refuse(std::min<std::size_t>(text.size(), 7),
                 "the row that begins with Frame, Time (Seconds) is missing",
                 "Export from Motive with the header switched on, format version 1.2 or later");

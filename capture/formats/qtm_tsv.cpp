@@ -27,13 +27,6 @@ bool is_keyword(std::string_view word) {
          !(word[0] >= '0' && word[0] <= '9');
 }
 
-char separator_of(std::string_view line) {
-  for (const char c : {'\t', ';', ','}) {
-    if (line.find(c) != std::string_view::npos) return c;
-  }
-  return '\t';
-}
-
 Header read_header(const TableText& text, char separator) {
   Header header;
   for (std::size_t line = 0; line < text.size(); ++line) {

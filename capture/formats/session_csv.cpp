@@ -112,7 +112,7 @@ struct Comments {
   std::size_t header_line = 0;
 };
 
-char separator_of(std::string_view header) {
+char comment_separator(std::string_view header) {
   for (const char c : {'\t', ';'}) {
     if (header.find(c) != std::string_view::npos) return c;
   }
@@ -151,7 +151,7 @@ Comments read_comments(const TableText& text, char& separator) {
   }
   if (comments.header_line == text.size())
     text.refuse(text.size(), "the row of column names is missing");
-  separator = separator_of(text[comments.header_line]);
+  separator = comment_separator(text[comments.header_line]);
   for (std::size_t line = 0; line < comments.header_line; ++line) {
     if (!trim(text[line]).empty()) read_comment(text, line, separator, comments);
   }

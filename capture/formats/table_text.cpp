@@ -148,4 +148,11 @@ std::string qualified_label(std::string_view subject, std::string_view label) {
   return text.append(label);
 }
 
+char separator_of(std::string_view line) {
+  for (const char c : {'\t', ';', ','}) {
+    if (line.find(c) != std::string_view::npos) return c;
+  }
+  return '\t';
+}
+
 }  // namespace kinemesh

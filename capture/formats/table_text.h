@@ -61,4 +61,8 @@ QualifiedLabel split_label(std::string_view text);
 /// "subject:label", or the label alone without a subject.
 std::string qualified_label(std::string_view subject, std::string_view label);
 
+/// What separates the cells of a line: tab, semicolon or comma, the first of them that it holds;
+/// tab when none.
+char separator_of(std::string_view line);
+
 }  // namespace kinemesh

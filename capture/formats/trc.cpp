@@ -10,14 +10,7 @@
 namespace kinemesh {
 namespace {
 
-using Header = std::map<std::string, std::string, std::less<>>;
-
-char separator_of(std::string_view line) {
-  for (const char c : {'\t', ';', ','}) {
-    if (line.find(c) != std::string_view::npos) return c;
-  }
-  return '\t';
-}
+using TrcHeader = std::map<std::string, std::string, std::less<>>;
 
 /// First line at or behind `from` whose first cell is `word`, or npos.
 std::size_t find_line(const TableText& text, std::size_t from, std::string_view word) {
@@ -27,7 +20,7 @@ std::size_t find_line(const TableText& text, std::size_t from, std::string_view 
   return std::string::npos;
 }
 
-Header read_header(const TableText& text, std::size_t keys_line, char separator) {
+TrcHeader read_header(const TableText& text, std::size_t keys_line, char separator) {
   // Some programs put two tabs between values: names and values are paired without blanks.
   const auto words = [&](std::size_t line) {
     std::vector<std::string> kept;
@@ -41,14 +34,14 @@ Header read_header(const TableText& text, std::size_t keys_line, char separator)
   if (values.size() < keys.size() && values.size() < 5) {
     text.refuse(keys_line + 1, "there are fewer values than names in the line above");
   }
-  Header header;
+  TrcHeader header;
   for (std::size_t i = 0; i < std::min(keys.size(), values.size()); ++i) {
     header.emplace(lower(keys[i]), values[i]);
   }
   return header;
 }
 
-double number_of(const TableText& text, const Header& header, std::string_view key,
+double number_of(const TableText& text, const TrcHeader& header, std::string_view key,
                  std::size_t line) {
   const auto it = header.find(key);
   if (it == header.end()) return 0.0;
@@ -94,7 +87,7 @@ MarkerSequence read_trc(const TableText& text, const TableReadOptions& options,
   }
   FrameTable table;
   table.separator = separator_of(text[labels_line]);
-  const Header header = read_header(text, keys_line, separator_of(text[keys_line]));
+  const TrcHeader header = read_header(text, keys_line, separator_of(text[keys_line]));
   const std::size_t values_line = keys_line + 1;
   table.rate_hz = number_of(text, header, "datarate", values_line);
   table.declared_frames =

@@ -46,10 +46,6 @@ double least_jump(const LocalMotion& motion, std::size_t m) {
   return std::max({least_mm, share * motion.spacing(m), of_usual * usual_deviation(motion, m)});
 }
 
-bool measured(const MarkerSequence& take, std::size_t f, std::size_t m) {
-  return take.valid(f, m) && !take.filled(f, m) && take.position(f, m).allFinite();
-}
-
 double median_of(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::ranges::nth_element(values, middle);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "capture/marker_sequence.h"
+#include "capture/measured.h"
 
 namespace kinemesh::repair {
 
@@ -58,8 +59,6 @@ class LocalMotion {
 /// that once in 10,000 frames). Where noise is as large as that distance, nothing can be said.
 double least_jump(const LocalMotion& motion, std::size_t m);
 
-/// The point of the take may be used: measured, not filled, finite.
-bool measured(const MarkerSequence& take, std::size_t frame, std::size_t marker);
 /// Reorders `values`, which must not be empty.
 double median_of(std::vector<double>& values);
 

@@ -21,6 +21,9 @@
 
 namespace kinemesh {
 
+/// Played at this rate when neither the mesh nor the file says its own.
+inline constexpr double assumed_rate_hz = 30.0;
+
 /// JSON text and binary buffer.
 struct GltfContent {
   std::string json;

@@ -22,8 +22,6 @@ using gltf::Json;
 using gltf::none;
 
 constexpr uint32_t glb_magic = 0x46546C67, chunk_json = 0x4E4F534A, chunk_binary = 0x004E4942;
-/// Played at this rate when neither file nor keys say one.
-constexpr double assumed_rate_hz = 30.0;
 
 /// Weights over time, of the mesh of one node.
 struct Track {

@@ -16,12 +16,10 @@ namespace kinemesh {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 constexpr int component_u8 = 5121, component_u16 = 5123, component_u32 = 5125, component_f32 = 5126;
 constexpr int array_buffer = 34962, element_array_buffer = 34963;
-/// Played at this rate when the mesh does not say its own.
-constexpr double assumed_rate_hz = 30.0;
 /// Viewers keep morph targets in the layers of a texture array; WebGL 2 promises so many.
 constexpr std::size_t targets_of_all_viewers = 256;
 
@@ -46,7 +44,7 @@ class GltfWriter {
     GltfContent out;
     add_document(buffer_uri);
     out.binary = std::move(binary_);
-    out.json = document_.dump(-1, ' ', false, Json::error_handler_t::replace);
+    out.json = document_.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
     out.report.max_error_mm = animation_.max_error_mm;
     out.report.rms_error_mm = animation_.rms_error_mm;
     if (moves()) {
@@ -92,7 +90,7 @@ class GltfWriter {
     still.add_document("");
     constexpr std::size_t json_of_animation = 2000, json_of_target = 420;
     const MorphCost cost{
-        still.document_.dump(-1, ' ', false, Json::error_handler_t::replace).size() +
+        still.document_.dump(-1, ' ', false, OrderedJson::error_handler_t::replace).size() +
             still.binary_.size() + json_of_animation,
         json_of_target};
     animation_ = morph_animation_of(mesh_, options_.gltf, cost, ctx_);
@@ -109,7 +107,7 @@ class GltfWriter {
   /// Starts a buffer view at an aligned place; end_view() gives its length.
   void begin_view(int target, int stride = 0) {
     align();
-    Json view{{"buffer", 0}, {"byteOffset", binary_.size()}, {"byteLength", 0}};
+    OrderedJson view{{"buffer", 0}, {"byteOffset", binary_.size()}, {"byteLength", 0}};
     if (stride > 0) view["byteStride"] = stride;
     if (target > 0) view["target"] = target;
     views_.push_back(std::move(view));
@@ -119,11 +117,11 @@ class GltfWriter {
   }
 
   std::size_t add_accessor(std::size_t offset, int component, std::size_t count, const char* type) {
-    Json accessor{{"bufferView", views_.size() - 1},
-                  {"byteOffset", offset},
-                  {"componentType", component},
-                  {"count", count},
-                  {"type", type}};
+    OrderedJson accessor{{"bufferView", views_.size() - 1},
+                         {"byteOffset", offset},
+                         {"componentType", component},
+                         {"count", count},
+                         {"type", type}};
     accessors_.push_back(std::move(accessor));
     return accessors_.size() - 1;
   }
@@ -205,10 +203,11 @@ class GltfWriter {
     return add_accessor(0, wide ? component_u32 : component_u16, 3 * faces.size(), "SCALAR");
   }
 
-  Json primitive() {
+  OrderedJson primitive() {
     const std::size_t vertices = animation_.vertex_count;
     const bool surface = mesh_.topology().face_count() > 0;
-    Json out{{"attributes", Json::object()}, {"mode", surface ? 4 : 0}, {"material", 0}};
+    OrderedJson out{
+        {"attributes", OrderedJson::object()}, {"mode", surface ? 4 : 0}, {"material", 0}};
     begin_view(array_buffer, 12);
     out["attributes"]["POSITION"] = add_vectors(animation_.base.data(), vertices, true);
     end_view();
@@ -221,7 +220,7 @@ class GltfWriter {
     if (!colours_.empty()) out["attributes"]["COLOR_0"] = add_colours();
     if (animation_.target_count == 0) return out;
     begin_view(array_buffer, 12);
-    out["targets"] = Json::array();
+    out["targets"] = OrderedJson::array();
     for (std::size_t k = 0; k < animation_.target_count; ++k) {
       out["targets"].push_back(
           {{"POSITION",
@@ -231,7 +230,7 @@ class GltfWriter {
     return out;
   }
 
-  Json animation() {
+  OrderedJson animation() {
     const double rate = mesh_.rate_hz > 0 ? mesh_.rate_hz : assumed_rate_hz;
     begin_view(0);
     float last = 0.0F;
@@ -252,12 +251,12 @@ class GltfWriter {
             {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "weights"}}}}}}};
   }
 
-  Json description() const {
-    Json out{{"frame_count", mesh_.frame_count()},
-             {"rate_hz", mesh_.rate_hz},
-             {"up", options_.gltf.up == GltfUp::y ? "y" : "z"},
-             {"max_error_mm", animation_.max_error_mm},
-             {"rms_error_mm", animation_.rms_error_mm}};
+  OrderedJson description() const {
+    OrderedJson out{{"frame_count", mesh_.frame_count()},
+                    {"rate_hz", mesh_.rate_hz},
+                    {"up", options_.gltf.up == GltfUp::y ? "y" : "z"},
+                    {"max_error_mm", animation_.max_error_mm},
+                    {"rms_error_mm", animation_.rms_error_mm}};
     WriteOptions metres = options_;
     metres.unit = LengthUnit::m;
     out["lines"] = metadata_lines(mesh_, 0, metres, {.description = true, .filled_runs = true});
@@ -265,7 +264,7 @@ class GltfWriter {
   }
 
   void add_document(const std::string& buffer_uri) {
-    Json mesh{{"name", "mesh"}, {"primitives", Json::array({primitive()})}};
+    OrderedJson mesh{{"name", "mesh"}, {"primitives", OrderedJson::array({primitive()})}};
     if (animation_.target_count > 0) {
       const auto first = animation_.weights.begin();
       mesh["weights"] =
@@ -282,7 +281,7 @@ class GltfWriter {
         {"scene", 0},
         {"scenes", {{{"nodes", {0}}}}},
         {"nodes", {{{"mesh", 0}, {"name", "mesh"}}}},
-        {"meshes", Json::array({mesh})},
+        {"meshes", OrderedJson::array({mesh})},
         {"materials",
          {{{"name", "skin"},
            {"doubleSided", true},
@@ -293,13 +292,13 @@ class GltfWriter {
     if (!colours_.empty()) {
       document_["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = {1.0, 1.0, 1.0, 1.0};
     }
-    if (animation_.target_count > 0) document_["animations"] = Json::array({animation()});
+    if (animation_.target_count > 0) document_["animations"] = OrderedJson::array({animation()});
     align();
     document_["accessors"] = std::move(accessors_);
     document_["bufferViews"] = std::move(views_);
-    Json buffer{{"byteLength", binary_.size()}};
+    OrderedJson buffer{{"byteLength", binary_.size()}};
     if (!buffer_uri.empty()) buffer["uri"] = buffer_uri;
-    document_["buffers"] = Json::array({buffer});
+    document_["buffers"] = OrderedJson::array({buffer});
   }
 
   const AnimatedMesh& mesh_;
@@ -308,8 +307,8 @@ class GltfWriter {
   MorphAnimation animation_;
   std::vector<double> colours_;
   std::string binary_;
-  Json document_;
-  Json accessors_ = Json::array(), views_ = Json::array();
+  OrderedJson document_;
+  OrderedJson accessors_ = OrderedJson::array(), views_ = OrderedJson::array();
 };
 
 /// A file name as a relative URI (RFC 3986).

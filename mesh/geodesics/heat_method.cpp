@@ -16,27 +16,21 @@ namespace {
 using Sparse = Eigen::SparseMatrix<double>;
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
-/// Sets of vertices that faces connect.
-class Components {
- public:
-  explicit Components(std::size_t count, const std::vector<Triangle>& faces) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), 0U);
-    for (const Triangle& f : faces) {
-      parent_[find(f[1])] = find(f[0]);
-      parent_[find(f[2])] = find(f[0]);
-    }
-    for (VertexIndex v = 0; v < count; ++v) parent_[v] = find(v);
-  }
-  /// A vertex that stands for the component of v.
-  VertexIndex of(VertexIndex v) const { return parent_[v]; }
-
- private:
-  VertexIndex find(VertexIndex v) {
-    while (parent_[v] != v) v = parent_[v] = parent_[parent_[v]];
+/// Per vertex, one that stands for all that faces connect with it (union-find).
+std::vector<VertexIndex> components_of(std::size_t count, const std::vector<Triangle>& faces) {
+  std::vector<VertexIndex> parent(count);
+  std::iota(parent.begin(), parent.end(), 0U);
+  const auto find = [&](VertexIndex v) {
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
     return v;
+  };
+  for (const Triangle& f : faces) {
+    parent[find(f[1])] = find(f[0]);
+    parent[find(f[2])] = find(f[0]);
   }
-  std::vector<VertexIndex> parent_;
-};
+  for (VertexIndex v = 0; v < count; ++v) parent[v] = find(v);
+  return parent;
+}
 
 }  // namespace
 
@@ -54,7 +48,7 @@ struct HeatMethod::System {
     std::array<double, 3> cotangents;  // at the corners
   };
   std::vector<Layout> layouts;
-  Components components;
+  std::vector<VertexIndex> component;  ///< per vertex, the one that stands for its component
   Eigen::SimplicialLDLT<Sparse> diffusion, poisson;
 };
 
@@ -62,7 +56,7 @@ HeatMethod::System::System(const Topology& topology, std::span<const Eigen::Vect
                            double time)
     : original_faces(topology.faces()),
       mesh(intrinsic_delaunay(topology, positions)),
-      components(topology.vertex_count(), topology.faces()) {
+      component(components_of(topology.vertex_count(), topology.faces())) {
   const auto count = static_cast<Eigen::Index>(topology.vertex_count());
   Triplets stiffness, mass;
   double length_sum = 0.0;
@@ -97,7 +91,7 @@ HeatMethod::System::System(const Topology& topology, std::span<const Eigen::Vect
   diffusion.compute(Sparse(m + time * mean * mean * l));
   Triplets held;
   for (VertexIndex v = 0; v < topology.vertex_count(); ++v) {
-    if (components.of(v) == v) held.emplace_back(v, v, 1.0);
+    if (component[v] == v) held.emplace_back(v, v, 1.0);
   }
   Sparse hold(count, count);
   hold.setFromTriplets(held.begin(), held.end());
@@ -158,12 +152,12 @@ std::vector<double> HeatMethod::distances(std::span<const SurfacePoint> sources)
     const Triangle& face = s.original_faces[source.face];
     double value = 0.0;
     for (int c = 0; c < 3; ++c) value += source.weights[c] * potential[face[c]];
-    double& shift = least[s.components.of(face[0])];
+    double& shift = least[s.component[face[0]]];
     shift = std::min(shift, value);
   }
   std::vector<double> result(count);
   for (Eigen::Index v = 0; v < count; ++v) {
-    const double shift = least[s.components.of(static_cast<VertexIndex>(v))];
+    const double shift = least[s.component[v]];
     result[v] = shift == infinity ? infinity : std::max(0.0, potential[v] - shift);
   }
   return result;

@@ -8,12 +8,12 @@ namespace kinemesh {
 namespace {
 
 /// Triangles flatter than this are mended first: cotangents need more room than distances.
-constexpr double least_height = 1e-6, relative_slack = 1e-9;
+constexpr double least_height = 1e-6, length_slack = 1e-9;
 
 class Flipper {
  public:
   Flipper(const Topology& topology, std::span<const Eigen::Vector3d> positions)
-      : lengths_(intrinsic_lengths(topology, positions, least_height, relative_slack).lengths) {
+      : lengths_(intrinsic_lengths(topology, positions, least_height, length_slack).lengths) {
     const auto halfedges = static_cast<HalfedgeIndex>(lengths_.size());
     from_.resize(halfedges);
     twins_.resize(halfedges);

@@ -7,13 +7,9 @@
 namespace kinemesh::geodesics {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 /// A path must be longer than another by this factor to count as dominated: rounding must never
 /// remove both of two equal paths.
 constexpr double clearly = 1.0 + 1e-12;
-/// A vertex this close to a window's end (over the edge's length) is seen by the window. Two
-/// windows that share an end at a vertex would else both miss it; the error is of second order.
-constexpr double end_tolerance = 1e-10;
 /// Windows narrower than this (over the edge's length) have no inside left.
 constexpr double least_width = 1e-14;
 /// Edges within this angle (radians) of a sector belong to it.

@@ -24,6 +24,11 @@
 
 namespace kinemesh::geodesics {
 
+inline constexpr double infinity = std::numeric_limits<double>::infinity();
+/// A vertex this close to a window's end (over the edge's length) is seen by the window. Two
+/// windows that share an end at a vertex would else both miss it; the error is of second order.
+inline constexpr double end_tolerance = 1e-10;
+
 struct Window {
   double low, high;        ///< interval on the edge, from v1 of the halfedge's frame
   double x, y;             ///< the origin, unfolded, lies at (x, −y) in that frame
@@ -100,7 +105,7 @@ class WindowPropagation {
   /// The shortest path so far that reaches the third vertex through a halfedge, and where it
   /// crosses the edge.
   struct Occupant {
-    double distance = std::numeric_limits<double>::infinity();
+    double distance = infinity;
     double crossing = 0.0;
   };
 
@@ -133,7 +138,7 @@ class WindowPropagation {
   const UnfoldedMesh& mesh_;
   WindowQueue queue_;
   std::vector<Window> bucket_;  ///< being propagated
-  double radius_ = std::numeric_limits<double>::infinity();
+  double radius_ = infinity;
   std::vector<double> distances_;   ///< per vertex, then per source
   std::vector<double> directions_;  ///< angle at the vertex at which its path arrives; < 0: any
   std::vector<GeodesicArrival> arrivals_;

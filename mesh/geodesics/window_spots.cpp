@@ -8,10 +8,8 @@
 namespace kinemesh::geodesics {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 /// A weight below this puts a point on the edge, two of them on the vertex.
 constexpr double snap = 1e-12;
-constexpr double end_tolerance = 1e-10;
 
 /// The corner a point lies on, or −1.
 int corner_of(const SurfacePoint& point) {

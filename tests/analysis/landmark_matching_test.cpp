@@ -14,7 +14,7 @@
 #include "tests/support/data.h"
 #include "tests/support/test_shapes.h"
 
-namespace kinemesh {
+namespace kinemesh::landmark_matching_test {
 namespace {
 
 AnimatedMesh still(const test::Surface& surface) {
@@ -139,4 +139,4 @@ TEST(LandmarkMatching, SeventeenLandmarksOfCatsInDifferentPosesAreMet) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::landmark_matching_test

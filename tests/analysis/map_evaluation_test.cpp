@@ -9,7 +9,7 @@
 #include "mesh/geodesics/geodesics.h"
 #include "tests/support/test_shapes.h"
 
-namespace kinemesh {
+namespace kinemesh::map_evaluation_test {
 namespace {
 
 /// A flat square of 20 × 20 mm whose map moves everything one column on: errors are 1 / 20, but for
@@ -99,4 +99,4 @@ TEST(MapEvaluation, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::map_evaluation_test

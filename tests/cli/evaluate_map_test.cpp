@@ -10,7 +10,7 @@
 #include "tests/support/data.h"
 #include "tests/support/test_shapes.h"
 
-namespace kinemesh {
+namespace kinemesh::evaluate_map_test {
 namespace {
 
 class EvaluateMapCommand : public test::CommandTest {
@@ -82,4 +82,4 @@ TEST_F(EvaluateMapCommand, ComparesWithATrueMapAndWithPairs) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::evaluate_map_test

@@ -7,7 +7,7 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_shapes.h"
 
-namespace kinemesh {
+namespace kinemesh::landmarks_test {
 namespace {
 
 class Landmarks : public ::testing::Test {
@@ -57,4 +57,4 @@ TEST_F(Landmarks, WhatIsNoPointOfTheMeshIsRefusedWithItsLine) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::landmarks_test

@@ -71,7 +71,7 @@ AnimatedMesh bumps(const Sheet& sheet, const std::vector<Bump>& all, double dura
   return animate(sheet.topology, frames, rate_hz);
 }
 
-BendingCylinder bending_cylinder(double spacing_mm, double rate_hz) {
+TwoJointCylinder two_joint_cylinder(double spacing_mm, double rate_hz) {
   constexpr double radius = 10.0, height = 120.0, bend = 50.0 * std::numbers::pi / 180.0;
   constexpr double length = 16.0;  // over which a joint bends
   const auto around = static_cast<uint32_t>(
@@ -86,7 +86,7 @@ BendingCylinder bending_cylinder(double spacing_mm, double rate_hz) {
     }
   }
   const auto topology = Topology::create(std::size_t{around} * (along + 1), std::move(faces));
-  BendingCylinder result;
+  TwoJointCylinder result;
   const std::array<double, 2> tau{0.3, 0.1};
   std::vector<std::vector<Eigen::Vector3d>> frames;
   const auto count = static_cast<std::size_t>(std::lround(2.0 * rate_hz));

@@ -29,11 +29,11 @@ AnimatedMesh bumps(const Sheet& sheet, const std::vector<Bump>& all, double dura
 /// A cylinder of radius 10 mm and height 120 mm along y whose axis bends at heights 40 and 80 mm by
 /// 50 degrees each (figure 4-15): the lower joint slowly (its speed is largest at 1 s, a standard
 /// deviation of 0.25 s), the upper one quickly (at 1.4 s, 0.08 s), then back again.
-struct BendingCylinder {
+struct TwoJointCylinder {
   AnimatedMesh mesh;
   std::array<double, 2> joint_height_mm{40, 80};
   std::array<double, 2> joint_time_s{0.8, 1.5};  ///< of the largest bend
 };
-BendingCylinder bending_cylinder(double spacing_mm, double rate_hz);
+TwoJointCylinder two_joint_cylinder(double spacing_mm, double rate_hz);
 
 }  // namespace kinemesh::test
