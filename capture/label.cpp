@@ -42,7 +42,7 @@ Loose gather(const MarkerSequence& take) {
       ++loose.count;
     };
     for (std::size_t m = 0; m < take.marker_count(); ++m) {
-      if (take.markers()[m].kind == MarkerKind::unlabelled && repair::measured(take, f, m)) {
+      if (take.markers()[m].kind == MarkerKind::unlabelled && measured(take, f, m)) {
         add(take.position(f, m).cast<double>(), {m, 0});
       }
     }
@@ -314,7 +314,7 @@ LabelResult label_points(const MarkerSequence& take, const SubjectTemplate& subj
   for (std::size_t k = 0; k < columns.size(); ++k) {
     if (columns[k] == none) continue;
     for (std::size_t f = 0; f < take.frame_count(); ++f) {
-      if (repair::measured(take, f, columns[k])) {
+      if (measured(take, f, columns[k])) {
         motion.put(f, k, take.position(f, columns[k]).cast<double>());
       }
     }

@@ -41,7 +41,7 @@ double median_residual(const MarkerSequence& take, std::size_t m) {
   std::vector<double> residuals;
   for (std::size_t f = 0; f < take.frame_count(); ++f) {
     const float r = take.residuals()[take.sample(f, m)];
-    if (repair::measured(take, f, m) && r > 0.0F) residuals.push_back(r);
+    if (measured(take, f, m) && r > 0.0F) residuals.push_back(r);
   }
   return median_or_unknown(std::move(residuals));
 }
@@ -74,7 +74,7 @@ void look_at_markers(const MarkerSequence& take, const std::vector<std::size_t>&
 bool repeats(const MarkerSequence& take, const std::vector<std::size_t>& columns, std::size_t f) {
   std::size_t same = 0;
   for (const std::size_t m : columns) {
-    if (!repair::measured(take, f, m) || !repair::measured(take, f - 1, m)) continue;
+    if (!measured(take, f, m) || !measured(take, f - 1, m)) continue;
     if (take.position(f, m) != take.position(f - 1, m)) return false;
     ++same;
   }
@@ -88,7 +88,7 @@ void look_at_frames(const MarkerSequence& take, const std::vector<std::size_t>& 
   std::vector<std::size_t> seen_in;
   for (std::size_t f = 0; f < take.frame_count(); ++f) {
     std::size_t seen = 0;
-    for (const std::size_t m : columns) seen += repair::measured(take, f, m) ? 1 : 0;
+    for (const std::size_t m : columns) seen += measured(take, f, m) ? 1 : 0;
     seen_samples += seen;
     result.visible_over_time.push_back(percent(seen, columns.size()));
     blind = 2 * seen < columns.size() ? blind + 1 : 0;

@@ -33,7 +33,7 @@ Path path_of(const MarkerSequence& take, std::size_t m) {
   path.at.reserve(take.frame_count());
   for (std::size_t f = 0; f < take.frame_count(); ++f) {
     path.at.emplace_back(take.position(f, m).cast<double>());
-    path.seen.push_back(repair::measured(take, f, m) ? 1 : 0);
+    path.seen.push_back(measured(take, f, m) ? 1 : 0);
   }
   return path;
 }

@@ -24,7 +24,7 @@ std::vector<std::size_t> template_columns(const MarkerSequence& take) {
   for (std::size_t m = 0; m < take.marker_count(); ++m) {
     if (take.markers()[m].kind != MarkerKind::marker) continue;
     for (std::size_t f = 0; f < take.frame_count(); ++f) {
-      if (repair::measured(take, f, m)) {
+      if (measured(take, f, m)) {
         columns.push_back(m);
         break;
       }
@@ -46,7 +46,7 @@ void learn_places(const MarkerSequence& steady, SubjectTemplate& subject) {
   for (std::size_t m = 0; m < steady.marker_count(); ++m) {
     std::array<std::vector<double>, 3> values;
     for (std::size_t f = 0; f < steady.frame_count(); ++f) {
-      if (!repair::measured(steady, f, m)) continue;
+      if (!measured(steady, f, m)) continue;
       for (std::size_t c = 0; c < 3; ++c) {
         values[c].push_back(steady.position(f, m)[static_cast<Eigen::Index>(c)]);
       }
@@ -66,7 +66,7 @@ void learn_places(const MarkerSequence& steady, SubjectTemplate& subject) {
     const std::size_t f = i * steady.frame_count() / shapes;
     Points shape(steady.marker_count(), Eigen::Vector3d::Constant(std::nan("")));
     for (std::size_t m = 0; m < shape.size(); ++m) {
-      if (repair::measured(steady, f, m)) shape[m] = steady.position(f, m).cast<double>();
+      if (measured(steady, f, m)) shape[m] = steady.position(f, m).cast<double>();
     }
     subject.shapes.push_back(std::move(shape));
   }

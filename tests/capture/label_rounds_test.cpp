@@ -8,7 +8,7 @@
 #include "tests/support/data.h"
 #include "tests/support/faults.h"
 
-namespace kinemesh {
+namespace kinemesh::label_rounds_test {
 namespace {
 
 MarkerSequence sample(const std::string& name) {
@@ -84,4 +84,4 @@ TEST(LabelRounds, BeginBehindAGap) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::label_rounds_test

@@ -8,7 +8,7 @@
 #include "tests/support/data.h"
 #include "tests/support/faults.h"
 
-namespace kinemesh {
+namespace kinemesh::strays_test {
 namespace {
 
 MarkerSequence sample(const std::string& name) {
@@ -86,4 +86,4 @@ TEST(Strays, LabelsThatWandersThroughTheBrowsAreMended) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::strays_test
