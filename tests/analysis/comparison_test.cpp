@@ -18,7 +18,7 @@
 #include "tests/support/data.h"
 #include "tests/support/test_shapes.h"
 
-namespace kinemesh {
+namespace kinemesh::comparison_test {
 namespace {
 
 Performance sample(const std::string& name) {
@@ -152,4 +152,4 @@ TEST(Comparison, HoldingStillTakesTheHeadsMotionOut) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::comparison_test

@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-namespace kinemesh {
+namespace kinemesh::movement_timing_test {
 namespace {
 
 double minimum_jerk(double x) {
@@ -85,4 +85,4 @@ TEST(MovementTiming, PeakSpeedIsThatOfMinimumJerk) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::movement_timing_test

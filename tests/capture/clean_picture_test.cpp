@@ -6,7 +6,7 @@
 #include "capture/session.h"
 #include "tests/support/data.h"
 
-namespace kinemesh {
+namespace kinemesh::clean_picture_test {
 namespace {
 
 MarkerSequence sample(const char* name) { return read_session(test::sample_folder() / name); }
@@ -39,8 +39,8 @@ TEST(CleanPicture, WithoutStabilisingThereIsNoHead) {
 TEST(CleanPicture, TakesThatCannotBeLaidOverEachOtherAreDrawn) {
   const MarkerSequence before = sample("anna_happy.c3d");
   for (const char* toml :
-       {"[[edit]]\ndo = \"crop\"\nfrom = 101\nto = 200\n", "[[edit]]\ndo = \"axes\"\npreset = \"y-up\"\n",
-        "[[edit]]\ndo = \"resample\"\nrate = 50\n",
+       {"[[edit]]\ndo = \"crop\"\nfrom = 101\nto = 200\n",
+        "[[edit]]\ndo = \"axes\"\npreset = \"y-up\"\n", "[[edit]]\ndo = \"resample\"\nrate = 50\n",
         "[[edit]]\ndo = \"fill\"\n"
         "[[edit]]\ndo = \"crop\"\nfrom = 7\nto = 7\n"}) {
     const EditList edits = parse_edits(toml, "edits.toml");
@@ -52,4 +52,4 @@ TEST(CleanPicture, TakesThatCannotBeLaidOverEachOtherAreDrawn) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::clean_picture_test

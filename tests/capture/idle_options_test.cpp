@@ -9,7 +9,7 @@
 #include "capture/session.h"
 #include "tests/support/data.h"
 
-namespace kinemesh {
+namespace kinemesh::idle_options_test {
 namespace {
 
 std::string refusal(const std::function<void(CleanOptions&)>& change) {
@@ -94,4 +94,4 @@ TEST(IdleOptions, AWindowBeyondTheTakeAndALimitThatDoesNotHoldAreSaid) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::idle_options_test

@@ -9,7 +9,7 @@
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 
-namespace kinemesh {
+namespace kinemesh::bad_sessions_test {
 namespace {
 
 class BadSessions : public ::testing::Test {
@@ -137,4 +137,4 @@ TEST_F(BadSessions, AMarkerExistsTwice) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::bad_sessions_test

@@ -5,7 +5,7 @@
 #include "tests/support/command_test.h"
 #include "tests/support/data.h"
 
-namespace kinemesh {
+namespace kinemesh::compare_test {
 namespace {
 
 class CompareCommand : public test::CommandTest {
@@ -62,4 +62,4 @@ TEST_F(CompareCommand, RefusesWhatItCannotRead) {
 }
 
 }  // namespace
-}  // namespace kinemesh
+}  // namespace kinemesh::compare_test
