@@ -21,6 +21,7 @@ constexpr double most_size_ratio = 5.0;
 constexpr std::size_t most_doubtful = 5;
 constexpr float missing = std::numeric_limits<float>::quiet_NaN();
 
+/// Every vertex to the one with its number.
 SurfaceMap by_number(const Topology& topology) {
   SurfaceMap map;
   for (VertexIndex v = 0; v < topology.vertex_count(); ++v) {
@@ -41,6 +42,10 @@ void correspond(Comparison& c, const AnimatedMesh& a, const AnimatedMesh& b,
   } else if (a.topology() == b.topology() && landmarks.empty()) {
     c.forward = c.reverse = by_number(a.topology());
     c.correspondence = "vertex by vertex, as both meshes have the same triangles";
+  } else if (!a.vertex_names.empty() && a.vertex_names == b.vertex_names && landmarks.empty()) {
+    c.forward = by_number(b.topology());
+    c.reverse = by_number(a.topology());
+    c.correspondence = "marker by marker, as both have the same markers";
   } else {
     FullMatching m = match_surfaces(a, b, options.matching, ctx, landmarks);
     c.forward = std::move(m.forward);

@@ -110,11 +110,12 @@ struct CurveGrid {
     charts.push_back(std::move(chart));
   }
   Canvas drawn() const {
-    Canvas canvas(width, height * static_cast<double>((charts.size() + 1) / 2));
+    const std::size_t rows = (charts.size() + 1) / 2;
+    Canvas canvas(width, height * static_cast<double>(rows));
     for (std::size_t k = 0; k < charts.size(); ++k) {
-      charts[k].draw(canvas,
-                     {static_cast<double>(k % 2) * width / 2 + 5,
-                      static_cast<double>(k / 2) * height + 5, width / 2 - 10, height - 10});
+      const std::size_t row = k / 2, column = k % 2;
+      charts[k].draw(canvas, {static_cast<double>(column) * width / 2 + 5,
+                              static_cast<double>(row) * height + 5, width / 2 - 10, height - 10});
     }
     return canvas;
   }

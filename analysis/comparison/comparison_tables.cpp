@@ -172,13 +172,15 @@ std::string comparison_json(const ComparisonStory& story) {
                               {"b", course_json(r.b)}});
   }
   out["measures"] = json::array();
-  for (const MeasureResult& m : story.measures)
+  for (const MeasureResult& m : story.measures) {
     out["measures"].push_back(
         {{"measure", m.spec.name}, {"a", course_json(m.a)}, {"b", course_json(m.b)}});
+  }
   out["asymmetry"] = json::array();
-  for (const AsymmetryRow& row : story.asymmetry)
+  for (const AsymmetryRow& row : story.asymmetry) {
     out["asymmetry"].push_back(
         {{"of", row.name}, {"a", side_json(row.a)}, {"b", side_json(row.b)}});
+  }
   out["options"] = story.provenance.options;
   return out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }

@@ -9,7 +9,9 @@
 namespace kinemesh::comparison {
 namespace {
 
-constexpr std::size_t view_bytes = 600000;  // of each animation; its fields may take a third each
+// Of each animation; its fields may take a third each. A large mesh needs 12 bytes a vertex for its
+// mean and 6 for each mode of motion.
+constexpr std::size_t least_bytes = 600000, most_bytes = 2500000, bytes_per_vertex = 60;
 
 /// The size that all but one in two hundred samples stay below.
 double usual_largest(std::initializer_list<const std::vector<float>*> fields) {
@@ -142,10 +144,14 @@ std::pair<MeshViewer, MeshViewer> viewers_of(const ComparisonStory& story, const
   for (MeshViewerOptions* view : {&both.a, &both.b}) {
     view->axes = axes;
     view->group = "faces";
-    view->code.max_bytes = view_bytes;
     // A browser adds up three million products a frame with ease: small meshes may have more.
     view->code.max_modes = std::max<std::size_t>(view->code.max_modes, 500000 / vertices);
   }
+  const auto room = [](const AnimatedMesh& mesh) {
+    return std::clamp(bytes_per_vertex * mesh.vertex_count(), least_bytes, most_bytes);
+  };
+  both.a.code.max_bytes = room(story.a.mesh);
+  both.b.code.max_bytes = room(story.b.mesh);
   both.a.title = "A · " + story.name_a;
   both.b.title = "B · " + story.name_b;
   add_fields(both, story, axes);

@@ -33,6 +33,7 @@ constexpr double growth = 1.7;  // of the vertices from level to level
 constexpr int coarse_sweeps = 40, level_sweeps = 4, final_sweeps = 8;
 constexpr int landmark_refinements = 4;
 constexpr double poor_agreement = 0.35;
+constexpr double most_lost = 0.15;  // of a surface, in holes of the other
 
 ClosedSurface closed_at_rest(const AnimatedMesh& mesh) {
   if (mesh.frame_count() == 0) throw InputError({.what = "the animation has no frames"});
@@ -260,17 +261,33 @@ double overall_trust(const SignalAgreement& agreement, const SignalPair& pair) {
   return best;
 }
 
+/// The larger share of either surface that falls into holes of the other.
+double lost_share(const FullMatching& result) {
+  const auto share = [](std::size_t part, std::size_t all) {
+    return static_cast<double>(part) / static_cast<double>(std::max<std::size_t>(1, all));
+  };
+  return std::max(share(result.unmapped_source, result.forward.points.size()),
+                  share(result.unmapped_target, result.reverse.points.size()));
+}
+
 void judge(FullMatching& result, const SignalPair& pair) {
-  const double trust = overall_trust(result.agreement, pair);
-  result.poor = trust < poor_agreement || result.mean_distortion > 6.0;
+  const double trust = overall_trust(result.agreement, pair), lost = lost_share(result);
+  result.poor = trust < poor_agreement || result.mean_distortion > 6.0 || lost > most_lost;
   if (!result.poor) return;
+  if (lost > most_lost) {
+    result.warning = "the map is poor: " + format_fixed(100.0 * lost, 0) +
+                     " % of one surface falls into holes of the other, as if they showed different "
+                     "parts of a body; cut both to the same part";
+    return;
+  }
   result.warning =
       "the map is poor: places that it joins hardly have more in common than places taken at "
       "random (strain " +
       format_fixed(result.agreement.strain, 2) + ", normals " +
       format_fixed(result.agreement.normals, 2) + ", loops " +
       format_fixed(result.agreement.loops, 2) + " of 1; distortion " +
-      format_fixed(result.mean_distortion, 2) + ", 1 being none)";
+      format_fixed(result.mean_distortion, 2) +
+      ", 1 being none); give landmarks, or check that both show the same part of a body";
   if (!pair.has_strain) result.warning += "; there is no motion to compare";
 }
 
