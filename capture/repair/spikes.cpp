@@ -373,9 +373,10 @@ std::vector<Spike> find_spikes(const MarkerSequence& take, const RepairOptions& 
     Path path = path_of(take, columns[k]);
     const std::vector<uint8_t> seen = path.seen;
     found[k] = spikes_of(path, motion, k, take.rate_hz, options);
-    if (at_ends)
+    if (at_ends) {
       add_end_spikes(path, seen, motion, k, longest_spike(take.rate_hz, options), options,
                      found[k]);
+    }
     std::ranges::sort(found[k], {}, [](const Spike& s) { return s.frames.begin; });
     for (Spike& spike : found[k]) spike.marker = columns[k];
   });

@@ -219,6 +219,20 @@ TEST(Labelling, SamplesWithoutAnyLabel) {
   EXPECT_GE(relabelled(happy, surprise), 99.5);
 }
 
+TEST(Labelling, SamplesWithNoiseAndManyMoreGaps) {
+  MarkerSequence take = sample("anna_surprise");
+  std::mt19937 random(4);
+  std::normal_distribution<float> noise(0.0F, 0.3F);
+  for (float& v : take.positions()) v += noise(random);
+  constexpr std::size_t length = 36;
+  for (std::size_t i = 0; i < take.sample_count() / length / 5; ++i) {  // of a fifth
+    const std::size_t m = random() % take.marker_count();
+    const std::size_t f = random() % (take.frame_count() - length);
+    for (std::size_t k = f; k < f + length; ++k) take.flags()[take.sample(k, m)] = 0;
+  }
+  EXPECT_GE(relabelled(take, sample("anna_happy")), 99.5);
+}
+
 TEST(Labelling, SamplesOfTheOtherSubject) {
   const MarkerSequence happy = sample("ben_happy");
   const MarkerSequence surprise = repair_take(sample("ben_surprise"), {.spikes = false}).take;
