@@ -287,8 +287,9 @@ std::vector<SurfaceRegion> read_regions(const std::filesystem::path& path,
       region.vertices.insert(region.vertices.end(), found.begin(), found.end());
     }
     std::ranges::sort(region.vertices);
-    const auto [first, last] = std::ranges::unique(region.vertices);
-    region.vertices.erase(first, last);
+    // Not std::ranges::unique, which clang does not take from this library.
+    region.vertices.erase(std::unique(region.vertices.begin(), region.vertices.end()),
+                          region.vertices.end());
     if (!region.vertices.empty()) regions.push_back(std::move(region));
   }
   return regions;
