@@ -107,8 +107,22 @@ MeshData points_of(const MarkerSequence& take, const std::string& file) {
   return data;
 }
 
-MeshData read_points(const fs::path& path, const ReadOptions&, const RunContext& ctx) {
-  return points_of(read_session(path, {}, ctx), path.string());
+MeshData read_points(const fs::path& path, const ReadOptions& options, const RunContext& ctx) {
+  SessionReadOptions session;
+  session.c3d.unstated = options;
+  return points_of(read_session(path, session, ctx), path.string());
+}
+
+/// C3D and TRC have no other sign of a gap than the origin, for most programs that read them.
+void note_origin(const AnimatedMesh& mesh, WriteReport& report) {
+  std::size_t at_origin = 0;
+  const auto p = mesh.positions();
+  for (std::size_t i = 0; i < p.size(); i += 3) {
+    at_origin += p[i] == 0 && p[i + 1] == 0 && p[i + 2] == 0 ? 1 : 0;
+  }
+  if (at_origin == 0) return;
+  report.notes.push_back(count_of(at_origin, "sample") +
+                         " at exactly (0, 0, 0) will be read as gaps");
 }
 
 WriteReport write_c3d_points(const AnimatedMesh& mesh, const fs::path& path, const WriteOptions&,
@@ -117,6 +131,11 @@ WriteReport write_c3d_points(const AnimatedMesh& mesh, const fs::path& path, con
   files.add(path, encode_c3d(markers_of(mesh), {.storage = "float", .unit = "mm"}, &losses));
   WriteReport report;
   for (const C3dLoss& loss : losses) report.notes.push_back(loss.message);
+  if (mesh.first_frame < 1) {
+    report.notes.push_back("the first frame is " + std::to_string(mesh.first_frame) +
+                           "; C3D counts from 1, which it becomes");
+  }
+  note_origin(mesh, report);
   return report;
 }
 
@@ -125,7 +144,9 @@ WriteReport write_trc_points(const AnimatedMesh& mesh, const fs::path& path, con
   OutputFile file(path);
   write_trc(markers_of(mesh), file, ctx);
   files.add(std::move(file));
-  return {};
+  WriteReport report;
+  note_origin(mesh, report);
+  return report;
 }
 
 WriteReport write_csv_points(const AnimatedMesh& mesh, const fs::path& path, const WriteOptions&,

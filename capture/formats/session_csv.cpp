@@ -49,7 +49,8 @@ class Writer {
 
  private:
   void write_comments() {
-    file_.write(std::string(mark) + "\n# rate_hz," + format_number(take_.rate_hz) + "\n");
+    file_.write(std::string(mark) + "\n");
+    if (take_.rate_hz > 0) file_.write("# rate_hz," + format_number(take_.rate_hz) + "\n");
     for (const Event& e : take_.events) {
       file_.write("# event," + quote_cell(e.label, ',') + "," + quote_cell(e.context, ',') + "," +
                   quote_cell(e.subject, ',') + "," + format_number(e.time_s) + "\n");
@@ -112,7 +113,13 @@ struct Comments {
   std::size_t header_line = 0;
 };
 
+/// Names may hold tabs and semicolons: what makes a cell of its own of a column that is always
+/// there separates.
 char comment_separator(std::string_view header) {
+  for (const char c : {',', '\t', ';'}) {
+    const std::vector<std::string> names = split_cells(header, c);
+    if (std::ranges::count(names, "frame") + std::ranges::count(names, "time_s") > 0) return c;
+  }
   for (const char c : {'\t', ';'}) {
     if (header.find(c) != std::string_view::npos) return c;
   }
@@ -128,7 +135,7 @@ void read_comment(const TableText& text, std::size_t line, char separator, Comme
   const std::vector<std::string> cells = split_cells(content, own_comma ? ',' : separator);
   if (cells[0] == "rate_hz" && cells.size() > 1) {
     const std::optional<double> rate = parse_cell(cells[1]);
-    if (!rate || !(*rate > 0)) text.refuse(line, "'" + cells[1] + "' is no frame rate");
+    if (!rate || !(*rate >= 0)) text.refuse(line, "'" + cells[1] + "' is no frame rate");
     comments.rate_hz = *rate;
   } else if (cells[0] == "event") {
     const std::optional<double> time = cells.size() > 4 ? parse_cell(cells[4]) : std::nullopt;

@@ -41,4 +41,7 @@ MeshData decode_gltf(std::span<const std::byte> bytes, const std::string& name);
 MeshData decode_gltf(std::span<const std::byte> bytes, const std::string& name,
                      const std::function<std::string(const std::string& uri)>& load);
 
+/// The file that a buffer's relative URI names: %20 becomes a blank.
+std::string decoded_uri(const std::string& uri);
+
 }  // namespace kinemesh

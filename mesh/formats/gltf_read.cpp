@@ -7,6 +7,7 @@
 #include "config/json_text.h"
 #include "config/text.h"
 #include "mesh/formats/bytes.h"
+#include "mesh/formats/float_times.h"
 #include "mesh/formats/gltf.h"
 #include "mesh/formats/gltf_accessor.h"
 #include "mesh/formats/metadata.h"
@@ -82,10 +83,23 @@ class GltfReader {
         !asset->value("version", std::string()).starts_with("2.")) {
       d_.fail("asset", "this is no glTF of version 2");
     }
+    refuse_unknown_extensions();
     const auto extras = asset->find("extras");
     if (extras == asset->end() || !extras->is_object()) return;
     const auto ours = extras->find("kinemesh");
     if (ours != extras->end() && ours->is_object()) description_ = *ours;
+  }
+
+  /// Without an extension that a file requires its data would be read wrongly: compressed meshes
+  /// have accessors without data, which mean zeros.
+  void refuse_unknown_extensions() const {
+    for (const Json& name : d_.json.value("extensionsRequired", Json::array())) {
+      const bool harmless = name == "KHR_mesh_quantization" || name == "KHR_materials_unlit" ||
+                            name == "KHR_texture_transform";
+      if (harmless) continue;
+      d_.fail("extensionsRequired", "the file requires the extension " + name.dump() +
+                                        ", which is not read; save it without");
+    }
   }
 
   void read_scene() {
@@ -284,7 +298,7 @@ class GltfReader {
         longest = &*part.track;
       }
     }
-    if (longest == nullptr) return {0.0};
+    if (longest == nullptr) return still_times();
     const std::vector<double>& keys = longest->times;
     const double span = keys.back() - keys.front();
     double rate = description_.value("rate_hz", 0.0);
@@ -296,7 +310,7 @@ class GltfReader {
     } else if (keys.size() > 1 && evenly_spaced(keys)) {
       rate = static_cast<double>(keys.size() - 1) / span;
       count = keys.size();
-      data_.rate_hz = rate;
+      data_.rate_hz = rate_from_float_times(keys.front(), keys.back(), count - 1);
     } else {
       rate = assumed_rate_hz;
       data_.rate_hz = rate;
@@ -310,6 +324,19 @@ class GltfReader {
     std::vector<double> times(count);
     for (std::size_t f = 0; f < count; ++f) times[f] = keys.front() + static_cast<double>(f) / rate;
     return times;
+  }
+
+  /// Our own files without motion have no keys, but say how many frames there were.
+  std::vector<double> still_times() {
+    const std::size_t count = index_member(d_, description_, "frame_count", 0, "extras");
+    const double rate = description_.value("rate_hz", 0.0);
+    if (rate > 0 && count > 0) data_.rate_hz = rate;
+    if (count < 2) return {0.0};
+    if (count / 1024 > file_bytes_ || count * positions_.size() / 256 > file_bytes_) {
+      warn(std::to_string(count) + " frames without motion are read as one");
+      return {0.0};
+    }
+    return std::vector<double>(count, 0.0);
   }
 
   static bool evenly_spaced(const std::vector<double>& keys) {
@@ -396,19 +423,6 @@ Chunks chunks_of(std::span<const std::byte> bytes, const std::string& name) {
     if (type == chunk_binary && !chunks.binary) chunks.binary = content;
   }
   return chunks;
-}
-
-std::string decoded_uri(const std::string& uri) {
-  std::string out;
-  for (std::size_t i = 0; i < uri.size(); ++i) {
-    if (uri[i] == '%' && i + 2 < uri.size()) {
-      out += static_cast<char>(std::strtol(uri.substr(i + 1, 2).c_str(), nullptr, 16));
-      i += 2;
-    } else {
-      out += uri[i];
-    }
-  }
-  return out;
 }
 
 /// Bytes of every buffer; `owned` keeps those that are not in the file as they are.

@@ -368,6 +368,19 @@ WriteReport write_gltf(const AnimatedMesh& mesh, const fs::path& path, const Wri
 
 }  // namespace
 
+std::string decoded_uri(const std::string& uri) {
+  std::string out;
+  for (std::size_t i = 0; i < uri.size(); ++i) {
+    if (uri[i] == '%' && i + 2 < uri.size()) {
+      out += static_cast<char>(std::strtol(uri.substr(i + 1, 2).c_str(), nullptr, 16));
+      i += 2;
+    } else {
+      out += uri[i];
+    }
+  }
+  return out;
+}
+
 GltfContent encode_gltf(const AnimatedMesh& mesh, const WriteOptions& options,
                         const std::string& buffer_uri, const RunContext& ctx) {
   return GltfWriter(mesh, options, ctx).write(buffer_uri);

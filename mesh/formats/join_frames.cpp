@@ -1,6 +1,7 @@
 #include "mesh/formats/join_frames.h"
 
 #include <algorithm>
+#include <map>
 
 #include "config/error.h"
 #include "config/parallel.h"
@@ -9,9 +10,37 @@
 namespace kinemesh {
 namespace {
 
+/// Adds the directed edges of a triangle, `sign` times; an edge and its reverse cancel.
+void add_outline(const Triangle& t, int sign,
+                 std::map<std::pair<VertexIndex, VertexIndex>, int>& outline) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const VertexIndex a = t[k], b = t[(k + 1) % 3];
+    const auto edge = std::pair(std::min(a, b), std::max(a, b));
+    int& count = outline[edge];
+    count += a < b ? sign : -sign;
+    if (count == 0) outline.erase(edge);
+  }
+}
+
+/// True when the triangles are equal but for how polygons were cut, which depends on the positions
+/// of a frame: every stretch of differing triangles has the same outline.
+bool same_polygons(const MeshData& first, const MeshData& other) {
+  if (first.polygons == 0 || other.polygons != first.polygons ||
+      other.faces.size() != first.faces.size()) {
+    return false;
+  }
+  std::map<std::pair<VertexIndex, VertexIndex>, int> outline;
+  for (std::size_t i = 0; i < first.faces.size(); ++i) {
+    if (outline.empty() && first.faces[i] == other.faces[i]) continue;
+    add_outline(first.faces[i], 1, outline);
+    add_outline(other.faces[i], -1, outline);
+  }
+  return outline.empty();
+}
+
 void require_same_topology(const MeshData& first, const MeshData& other, const std::string& name) {
-  if (other.vertex_count == first.vertex_count && other.faces == first.faces &&
-      other.frame_count == 1) {
+  if (other.vertex_count == first.vertex_count && other.frame_count == 1 &&
+      (other.faces == first.faces || same_polygons(first, other))) {
     return;
   }
   const bool counts = other.vertex_count != first.vertex_count;

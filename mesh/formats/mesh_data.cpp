@@ -51,12 +51,20 @@ void require_finite(const MeshData& data, const std::string& file) {
 void expand_runs(MeshData& data) {
   if (!data.filled_runs || !data.filled.empty()) return;
   data.filled = Buffer<uint8_t>(data.frame_count * data.vertex_count, 0);
-  for (const FilledRun& run : *data.filled_runs) {
-    if (run.vertex >= data.vertex_count) continue;
+  std::vector<FilledRun>& runs = *data.filled_runs;
+  std::ranges::sort(runs, [](const FilledRun& a, const FilledRun& b) {
+    return a.vertex != b.vertex ? a.vertex < b.vertex : a.first < b.first;
+  });
+  std::size_t vertex = data.vertex_count, done = 0;  // overlapping runs: every sample set once
+  for (const FilledRun& run : runs) {
+    if (run.vertex >= data.vertex_count) break;
+    if (run.vertex != vertex) done = 0;
+    vertex = run.vertex;
     const std::size_t end = std::min(run.last, data.frame_count - 1) + 1;
-    for (std::size_t f = run.first; f < end; ++f) {
+    for (std::size_t f = std::max(run.first, done); f < end; ++f) {
       data.filled[f * data.vertex_count + run.vertex] = 1;
     }
+    done = std::max(done, end);
   }
 }
 
@@ -101,7 +109,7 @@ void settle(MeshData& data, const ReadOptions& options, const std::string& file,
   }
   if (data.dropped_faces > 0) {
     ctx.warn(file + ": " + count_of(data.dropped_faces, "face") +
-             " that use a vertex twice left out");
+             (data.dropped_faces == 1 ? " that uses" : " that use") + " a vertex twice left out");
   }
 }
 

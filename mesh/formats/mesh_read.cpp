@@ -1,9 +1,9 @@
 // Resolving a path to files, and reading them into one mesh.
-#include <algorithm>
 #include <system_error>
 
 #include "config/error.h"
 #include "config/text.h"
+#include "mesh/formats/beside.h"
 #include "mesh/formats/bytes.h"
 #include "mesh/formats/join_frames.h"
 #include "mesh/formats/mesh_io.h"
@@ -40,19 +40,8 @@ std::vector<std::string> sequence_extensions(const FormatRegistry& formats) {
 
 /// The positions of `path` (x.pc2 beside x.ply) when it is the geometry of an animation.
 fs::path animation_beside(const FormatRegistry& formats, const fs::path& path) {
-  const std::string extension = lower(path.extension().string());
-  for (const Format& format : formats.formats()) {
-    const auto& geometry = format.geometry_extensions;
-    if (!format.can_read() ||
-        std::find(geometry.begin(), geometry.end(), extension) == geometry.end()) {
-      continue;
-    }
-    fs::path beside = path;
-    beside.replace_extension(format.extensions.front());
-    std::error_code ignored;
-    if (fs::is_regular_file(beside, ignored)) return beside;
-  }
-  return path;
+  const std::vector<fs::path> caches = caches_beside(formats, path);
+  return caches.empty() ? path : caches.front();
 }
 
 Input resolve(const FormatRegistry& formats, const fs::path& path) {
@@ -126,6 +115,10 @@ AnimationFile read_animation_file(const FormatRegistry& formats, const fs::path&
   file.format = input.format->name;
   file.unit = data.unit;
   for (const NumberedFile& f : input.files) file.files.push_back(f.path);
+  if (!input.numbered) {
+    const std::vector<fs::path> more = files_read_with(*input.format, first);
+    file.files.insert(file.files.end(), more.begin(), more.end());
+  }
   file.mesh = naming(
       first, [&] { return to_animated_mesh(std::move(data), options, first.string(), ctx); });
   return file;

@@ -9,6 +9,7 @@
 #include "config/error.h"
 #include "config/parallel.h"
 #include "config/text.h"
+#include "mesh/formats/beside.h"
 #include "mesh/formats/mesh_io.h"
 #include "mesh/formats/sequence.h"
 
@@ -203,6 +204,19 @@ void note_older_files(const fs::path& pattern, WriteResult& result) {
                                 " remain beside the new ones and will be read with them");
 }
 
+/// An older point cache beside a new mesh file would be read as its motion.
+void note_older_caches(const FormatRegistry& formats, WriteResult& result) {
+  for (const fs::path& written : result.files) {
+    for (const fs::path& cache : caches_beside(formats, written)) {
+      if (std::ranges::count(result.files, cache) > 0) continue;
+      result.report.notes.push_back("the older " + cache.string() + " remains beside " +
+                                    written.filename().string() +
+                                    " and will be read with it: remove it if it is of another "
+                                    "mesh or other frames");
+    }
+  }
+}
+
 }  // namespace
 
 const Format& output_format(const FormatRegistry& formats, const fs::path& path,
@@ -248,7 +262,8 @@ WriteResult add_animation(const FormatRegistry& formats, const AnimatedMesh& mes
   if (numbered) {
     const bool own_numbers = options.first_number >= 0;
     const int64_t first =
-        own_numbers ? options.first_number : std::max<int64_t>(0, source.first_frame);
+        own_numbers ? options.first_number
+                    : std::max<int64_t>(0, mesh.first_frame + static_cast<int64_t>(range.first));
     add_numbered(
         target, range.count, first, own_numbers ? 1 : static_cast<int64_t>(range.step),
         [&](std::size_t f) { return format.encode(source, f, options); }, files, ctx);
@@ -265,7 +280,11 @@ WriteResult add_animation(const FormatRegistry& formats, const AnimatedMesh& mes
     result.report.notes.push_back(count_of(dropped, "event") +
                                   " outside the frames written left out");
   }
-  if (numbered) note_older_files(target, result);
+  if (numbered) {
+    note_older_files(target, result);
+  } else {
+    note_older_caches(formats, result);
+  }
   return result;
 }
 

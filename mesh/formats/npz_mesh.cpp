@@ -56,6 +56,7 @@ class NpzMeshReader {
       fail(key, "its shape is neither frames × vertices × 3 nor vertices × 3");
     }
     if (array->type == NpyType::text) fail(key, "it holds texts, not numbers");
+    if (array->size() == 0) fail(key, "it holds no frame or no vertex");
     data_.allocate(shape.size() == 3 ? shape[0] : 1, shape[shape.size() - 2]);
     if (array->type == NpyType::float32) {
       std::memcpy(data_.positions.data(), array->bytes.data(), data_.positions.size() * 4);

@@ -17,6 +17,7 @@ class ObjReader {
  public:
   ObjReader(std::span<const std::byte> bytes, const std::string& name)
       : scan_(text_of(bytes), name) {
+    if (text_of(bytes).starts_with("\xEF\xBB\xBF")) scan_.skip(3);  // mark of UTF-8
     positions_.reserve(bytes.size() / 20);
     faces_.reserve(bytes.size() / 40);
   }

@@ -69,6 +69,13 @@ class PlyReader {
     } else {
       for (const PlyElement& element : header_.elements) read_binary(element);
     }
+    for (const PlyElement& element : header_.elements) {
+      if (element.name != "face" || element.count == 0 || face_list_of(element) >= 0) continue;
+      data_.warnings.push_back(
+          "the element 'face' has no list 'vertex_indices' or "
+          "'vertex_index': " +
+          count_of(element.count, "face") + " left out");
+    }
     faces_.finish(data_);
     header_.metadata.apply(data_);
     return std::move(data_);

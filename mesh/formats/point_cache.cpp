@@ -8,7 +8,9 @@
 #include "config/error.h"
 #include "config/input_file.h"
 #include "config/text.h"
+#include "mesh/formats/beside.h"
 #include "mesh/formats/bytes.h"
+#include "mesh/formats/float_times.h"
 #include "mesh/formats/obj.h"
 #include "mesh/formats/off.h"
 #include "mesh/formats/ply.h"
@@ -99,9 +101,7 @@ double rate_of(const std::vector<float>& times) {
     const double expected = times.front() + step * static_cast<double>(f);
     if (!(std::abs(times[f] - expected) < 0.1 * step)) return 0.0;
   }
-  const double rate = 1.0 / step;
-  // Times are floats: a whole number nearby is what was meant.
-  return std::abs(rate - std::round(rate)) < 1e-3 * rate ? std::round(rate) : rate;
+  return rate_from_float_times(times.front(), times.back(), times.size() - 1);
 }
 
 MeshData read_mdd(const Source& source) {
@@ -135,15 +135,13 @@ const std::vector<std::string> geometry_extensions{".ply", ".obj", ".off"};
 MeshData geometry_beside(const fs::path& path, bool& found) {
   found = true;
   for (const std::string& extension : geometry_extensions) {
-    fs::path beside = path;
-    beside.replace_extension(extension);
-    std::error_code ignored;
-    if (!fs::is_regular_file(beside, ignored)) continue;
-    const Buffer<std::byte> bytes = load_bytes(beside);
+    const auto beside = file_beside(path, extension);
+    if (!beside) continue;
+    const Buffer<std::byte> bytes = load_bytes(*beside);
     const auto decode = extension == ".ply"   ? decode_ply
                         : extension == ".obj" ? decode_obj
                                               : decode_off;
-    return decode(bytes.span(), beside.string());
+    return decode(bytes.span(), beside->string());
   }
   found = false;
   return {};

@@ -83,7 +83,9 @@ std::size_t find_end(std::string_view archive, const std::string& file) {
          "Copy the file again");
 }
 
-ZipMember read_member(std::string_view archive, std::size_t at, const std::string& file) {
+/// `left`: bytes that the members not read yet may take.
+ZipMember read_member(std::string_view archive, std::size_t at, std::size_t& left,
+                      const std::string& file) {
   const std::size_t name_size = get16(archive, at + 28);
   if (at + central_size + name_size > archive.size()) refuse(file, at, "the archive is cut off");
   ZipMember member{.name = std::string(archive.substr(at + central_size, name_size)),
@@ -103,6 +105,8 @@ ZipMember read_member(std::string_view archive, std::size_t at, const std::strin
   const std::size_t content =
       start + local_size + get16(archive, start + 26) + get16(archive, start + 28);
   if (content + size > archive.size()) refuse(file, start, "'" + member.name + "' is cut off");
+  if (size > left) refuse(file, at, "the members share data: they are larger than the archive");
+  left -= size;
   member.content = archive.substr(content, size);
   if (crc32_of(member.content) != get32(archive, at + 16)) {
     refuse(file, content, "'" + member.name + "' is damaged: its checksum does not match",
@@ -175,11 +179,12 @@ std::vector<ZipMember> zip_members(std::string_view archive, const std::string& 
   const std::size_t count = get16(archive, end + 10);
   std::size_t at = get32(archive, end + 16);
   std::vector<ZipMember> members;
+  std::size_t left = archive.size();
   for (std::size_t i = 0; i < count; ++i) {
     if (at + central_size > end || get32(archive, at) != central_signature) {
       refuse(file, at, "the archive's table of contents is damaged", "Copy the file again");
     }
-    members.push_back(read_member(archive, at, file));
+    members.push_back(read_member(archive, at, left, file));
     at +=
         central_size + get16(archive, at + 28) + get16(archive, at + 30) + get16(archive, at + 32);
   }

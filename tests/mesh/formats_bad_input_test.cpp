@@ -9,6 +9,7 @@
 #include "mesh/formats/bytes.h"
 #include "mesh/formats/faces.h"
 #include "mesh/formats/mesh_io.h"
+#include "mesh/formats/npz.h"
 #include "mesh/formats/npz_mesh.h"
 #include "mesh/formats/obj.h"
 #include "mesh/formats/off.h"
@@ -305,6 +306,40 @@ TEST(NpzReader, WrongArraysAreNamed) {
   const std::string good = encode_npz(test::random_animation(3, 3, 2), {});
   EXPECT_EQ(decode(decode_npz, good).vertex_count, 9U);
   EXPECT_REFUSED(decode_npz, std::string_view(good).substr(0, good.size() / 2), "f");
+  NpzWriter none;
+  none.add("positions", {0, std::size_t{1} << 60U, 3}, std::span<const float>());
+  none.add("kinemesh",
+           std::span<const std::string>(std::vector<std::string>{"kinemesh vertex_name 0 \"A\""}));
+  EXPECT_REFUSED(decode_npz, none.bytes(), "it holds no frame or no vertex");
+}
+
+TEST(Readers, SayWhatIsLeftOutAndTakeAMarkOfUtf8) {
+  const MeshData obj = decode(decode_obj, "\xEF\xBB\xBFv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  EXPECT_EQ(obj.faces.size(), 1U);
+  const MeshData ply = decode(decode_ply,
+                              "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+                              "property float y\nproperty float z\nelement face 1\n"
+                              "property list uchar int vertex_idx\nend_header\n"
+                              "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  ASSERT_EQ(ply.warnings.size(), 1U);
+  EXPECT_NE(ply.warnings[0].find("1 face left out"), std::string::npos);
+}
+
+TEST(FilledRuns, OverlappingOnesSetEverySampleOnce) {
+  MeshData data;
+  data.allocate(2000, 2);
+  std::ranges::fill(data.positions.span(), 0.0F);
+  data.filled_runs.emplace();
+  for (std::size_t i = 0; i < 200000; ++i) data.filled_runs->push_back({1, 10 + i % 3, 1997});
+  data.filled_runs->push_back({0, 5, 6});
+  data.filled_runs->push_back({0, 4, 4});
+  data.filled_runs->push_back({7, 0, 1});
+  const AnimatedMesh mesh = to_animated_mesh(std::move(data), {}, "f");
+  std::size_t filled = 0;
+  for (const uint8_t f : mesh.filled()) filled += f;
+  EXPECT_EQ(filled, 1988U + 3U);
+  EXPECT_EQ(mesh.filled()[8], 1);
+  EXPECT_EQ(mesh.filled()[14], 0);
 }
 
 }  // namespace

@@ -340,6 +340,30 @@ TEST(Gltf, DamagedFilesAreExplained) {
             std::string::npos);
 }
 
+TEST(Gltf, RequiredExtensionsThatAreNotReadAreRefused) {
+  const std::string zeros(16, 'A');
+  const auto read = [&](const std::string& extension) {
+    const std::string text = R"({"asset":{"version":"2.0"},"extensionsRequired":[")" + extension +
+                             R"("],"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"mode":0,
+      "attributes":{"POSITION":0}}]}],"accessors":[{"bufferView":0,"componentType":5120,
+      "count":4,"type":"VEC3"}],"bufferViews":[{"buffer":0,"byteLength":12}],"buffers":[
+      {"byteLength":12,"uri":"data:application/octet-stream;base64,)" +
+                             zeros + R"("}]})";
+    return decode_gltf(std::as_bytes(std::span(text)), "x.gltf").vertex_count;
+  };
+  EXPECT_EQ(read("KHR_mesh_quantization"), 4U);
+  EXPECT_THROW(read("KHR_draco_mesh_compression"), InputError);
+  EXPECT_THROW(read("EXT_meshopt_compression"), InputError);
+}
+
+TEST(Gltf, FramesWithoutMotionComeBack) {
+  AnimatedMesh mesh = test::smooth_animation(6, 6, 100, 60.0);
+  for (std::size_t f = 1; f < 100; ++f) mesh.frame(f) = mesh.frame(0);
+  const Written w = round_trip(mesh, {});
+  EXPECT_EQ(w.back.frame_count(), 100U);
+  EXPECT_EQ(w.back.rate_hz, 60.0);
+}
+
 TEST(Gltf, DataThatManyNodesShareAreBounded) {
   const std::string zeros(4000, 'A');  // base64 of 3,000 zero bytes: 1,000 points of bytes
   std::string text = R"({"asset":{"version":"2.0"},"meshes":[{"primitives":[{"mode":0,"attributes":

@@ -95,5 +95,18 @@ TEST(Npz, DamagedArchivesAreRefusedWhereverTheyAreCut) {
   std::filesystem::remove(path);
 }
 
+TEST(Npz, MembersThatShareDataAreRefused) {
+  const std::vector<ZipMember> members{{"a", std::string(1000, 'x')}};
+  const std::string one = zip_of(members);
+  EXPECT_EQ(zip_members(one, "f").size(), 1U);
+  const std::size_t central = one.size() - 22 - 47;  // 46 bytes and the name "a"
+  std::string many = one.substr(0, central);
+  for (int i = 0; i < 3; ++i) many += one.substr(central, 47);
+  std::string end = one.substr(central + 47);
+  end[8] = end[10] = 3;
+  end[12] = static_cast<char>(3 * 47);
+  EXPECT_THROW(zip_members(many + end, "f"), InputError);
+}
+
 }  // namespace
 }  // namespace kinemesh::npz_test
