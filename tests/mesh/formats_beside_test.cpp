@@ -33,7 +33,8 @@ TEST(FilesBeside, EveryFileThatIsReadIsListed) {
 TEST(FilesBeside, AnOlderCacheIsMentionedBesideANewMesh) {
   const FormatRegistry formats = builtin_mesh_formats();
   const TemporaryFolder folder;
-  const AnimatedMesh mesh = random_animation(3, 3, 4);
+  AnimatedMesh mesh = random_animation(3, 3, 4);
+  mesh.events.clear();
   EXPECT_TRUE(write_animation(formats, mesh, folder.path() / "a.ply").report.notes.empty());
   for (const char* name : {"a.ply", "a.mdd"}) {
     const WriteResult second = write_animation(formats, mesh, folder.path() / name,
@@ -87,14 +88,14 @@ TEST(Polygons, AreOneTopologyHoweverEachFrameCutsThem) {
   const auto frame = [&](const std::string& name, const std::string& corner,
                          const std::string& rest) {
     write_file(folder.path() / name,
-               "v 0 0 0\nv 4 0 0\nv " + corner + " 0\nv 0 4 0\nv 8 0 0\n" + rest);
+               "v 0 0 0\nv " + corner + " 0\nv 4 4 0\nv 0 4 0\nv 8 0 0\n" + rest);
   };
-  frame("q_1.obj", "4 4", faces);
-  frame("q_2.obj", "1 1", faces);  // the third corner points inwards
+  frame("q_1.obj", "4 0", faces);
+  frame("q_2.obj", "1 2", faces);  // the second corner points inwards
   const AnimatedMesh mesh = read_animation(formats, folder.path() / "q_#.obj");
   EXPECT_EQ(mesh.frame_count(), 2U);
   EXPECT_EQ(mesh.topology().faces(), (std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}, {1, 4, 2}}));
-  frame("q_2.obj", "1 1", "f 1 2 3 4\nf 1 5 3\n");
+  frame("q_2.obj", "1 2", "f 1 2 3 4\nf 1 5 3\n");
   EXPECT_THROW(read_animation(formats, folder.path() / "q_#.obj"), InputError);
 }
 
