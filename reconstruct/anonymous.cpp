@@ -4,6 +4,7 @@
 #include <cctype>
 #include <filesystem>
 
+#include "config/shell_words.h"
 #include "config/text.h"
 
 namespace kinemesh {
@@ -17,6 +18,11 @@ bool is_letter(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0
 bool stands_alone(const std::string& text, std::size_t at, std::size_t length) {
   return (at == 0 || !is_letter(text[at - 1])) &&
          (at + length == text.size() || !is_letter(text[at + length]));
+}
+
+/// "file.c3d" for a path of which nothing is known.
+std::string path_without_name(const std::string& path) {
+  return "file" + std::filesystem::path(path).extension().string();
 }
 
 }  // namespace
@@ -73,6 +79,21 @@ std::string Anonymiser::operator()(std::string text) const {
   return out;
 }
 
+std::string Anonymiser::command(const std::string& line) const {
+  std::string out;
+  bool config = false;
+  for (const std::string& word : shell_words(line)) {
+    const std::size_t equals = word.starts_with("--") ? word.find('=') : std::string::npos;
+    const std::string option = equals == std::string::npos ? "" : word.substr(0, equals + 1);
+    const std::string value = word.substr(option.size());
+    std::string shown = config || option == "--config=" ? "options.toml" : (*this)(value);
+    if (shown.find('/') != std::string::npos) shown = path_without_name(shown);
+    config = word == "--config";
+    out += (out.empty() ? "" : " ") + shell_quote(option + shown);
+  }
+  return out;
+}
+
 void anonymise(const Anonymiser& anonymiser, MarkerSequence& session, ConvertResult& result) {
   const auto change = [&anonymiser](std::string& text) { text = anonymiser(std::move(text)); };
   const auto change_marker = [&](Marker& marker) {
@@ -96,10 +117,36 @@ void anonymise(const Anonymiser& anonymiser, MarkerSequence& session, ConvertRes
   AnimatedMesh& mesh = result.animation;
   std::ranges::for_each(mesh.vertex_names, change);
   std::ranges::for_each(mesh.events, change_event);
-  change(mesh.provenance.command);
+  mesh.provenance.command = anonymiser.command(mesh.provenance.command);
   change(mesh.provenance.options);
   change(mesh.provenance.source);
   for (Provenance::Input& input : mesh.provenance.inputs) change(input.path);
+}
+
+void anonymise_mesh(AnimatedMesh& mesh) {
+  std::vector<Marker> known;
+  const auto note = [&known](const std::string& text, const std::string& subject) {
+    const std::size_t colon = text.find(':');
+    if (!subject.empty()) known.push_back({.label = text, .subject = subject});
+    if (colon != std::string::npos && colon > 0) {
+      known.push_back({.label = text, .subject = text.substr(0, colon)});
+    }
+  };
+  for (const std::string& name : mesh.vertex_names) note(name, "");
+  for (const Event& event : mesh.events) note(event.label, event.subject);
+  const Anonymiser anonymiser(MarkerSequence::invalid(0, known, 1.0));
+  for (std::string& name : mesh.vertex_names) name = anonymiser(name);
+  for (Event& event : mesh.events) {
+    event.label = anonymiser(event.label);
+    event.subject = anonymiser(event.subject);
+  }
+  mesh.provenance.command.clear();
+  mesh.provenance.options.clear();
+  mesh.provenance.source.clear();
+  for (std::size_t i = 0; i < mesh.provenance.inputs.size(); ++i) {
+    std::string& path = mesh.provenance.inputs[i].path;
+    path = "input" + std::to_string(i + 1) + std::filesystem::path(path).extension().string();
+  }
 }
 
 }  // namespace kinemesh

@@ -9,6 +9,8 @@
 #include "config/error.h"
 #include "config/input_file.h"
 #include "config/text.h"
+#include "mesh/formats/sequence.h"
+#include "reconstruct/convert_files.h"
 
 namespace kinemesh {
 namespace {
@@ -66,6 +68,29 @@ ManifestRow row_of(const fs::path& file, const toml::node& node) {
   return row;
 }
 
+/// The lines of [options] and its tables as a document of its own, on the lines where they stand,
+/// so that errors name them. Empty when that is not the same as `options`.
+std::string options_in_place(const std::string& text, const toml::table& options) {
+  std::istringstream lines(text);
+  std::string out;
+  bool inside = false;
+  for (std::string line; std::getline(lines, line); out += '\n') {
+    const std::string_view bare = trim(line);
+    if (bare.starts_with('[')) {
+      constexpr std::string_view begin = "[options.";
+      inside = bare.starts_with(begin) || bare.starts_with("[options]");
+      if (bare.starts_with(begin)) out += "[" + std::string(bare.substr(begin.size()));
+    } else if (inside) {
+      out += line;
+    }
+  }
+  try {
+    return toml::parse(out) == options ? out : "";
+  } catch (const toml::parse_error&) {
+    return "";
+  }
+}
+
 Listing listing_of_toml(const fs::path& file, const std::string& text) {
   toml::table table;
   try {
@@ -83,7 +108,8 @@ Listing listing_of_toml(const fs::path& file, const std::string& text) {
     } else if (name == "options" && value.is_table()) {
       std::ostringstream out;
       out << *value.as_table();
-      listing.options_toml = out.str();
+      const std::string in_place = options_in_place(text, *value.as_table());
+      listing.options_toml = in_place.empty() ? out.str() : in_place;
     } else if (name == "session" && value.is_array()) {
       for (const toml::node& session : *value.as_array()) {
         listing.rows.push_back(row_of(file, session));
@@ -148,6 +174,56 @@ std::map<std::string, std::size_t> index_outputs(const fs::path& file, const Lis
   return by_output;
 }
 
+std::string canonical_of(const fs::path& path) {
+  std::error_code error;
+  const fs::path real = fs::weakly_canonical(path, error);
+  return error ? key_of(path) : real.lexically_normal().string();
+}
+
+/// Everything that a conversion to `output` may replace, by name; of numbered files those that are
+/// there.
+std::vector<fs::path> written_for(const fs::path& output) {
+  std::vector<fs::path> all{output};
+  fs::path stem = output;
+  stem.replace_extension();
+  std::string name = stem.string();
+  for (const char* beside : {".ply", ".pc2", ".bin"}) {
+    const std::string own = lower(output.extension().string());
+    const bool belongs = std::string_view(beside) == ".bin"
+                             ? own == ".gltf"
+                             : own == ".ply" || own == ".pc2" || own == ".mdd";
+    if (belongs) all.emplace_back(name + beside);
+  }
+  const fs::path numbered =
+      is_number_pattern(output) ? output : fs::path(name + "_####" + output.extension().string());
+  for (const NumberedFile& file : matching_files(numbered)) all.push_back(file.path);
+  while (name.ends_with('#') || name.ends_with('_')) name.pop_back();
+  for (const char* beside :
+       {"_frames.png", "_gaps.png", "_quality.csv", "_report.html", "_summary.json"}) {
+    all.emplace_back(name + beside);
+  }
+  return all;
+}
+
+/// What is read is never written over: neither by its own conversion nor by another one's.
+void refuse_inputs_as_outputs(const fs::path& file, const std::vector<BatchSession>& sessions) {
+  std::map<std::string, std::size_t> inputs;  // line by path
+  for (const BatchSession& s : sessions) {
+    inputs.emplace(canonical_of(s.session), s.line);
+    if (!s.topology.empty() && !s.after) inputs.emplace(canonical_of(s.topology), s.line);
+  }
+  for (const BatchSession& s : sessions) {
+    for (const fs::path& written : written_for(s.output)) {
+      const auto input = inputs.find(canonical_of(written));
+      if (input == inputs.end()) continue;
+      refuse(file, s.line,
+             "the conversion to " + s.output.string() + " would replace " + written.string() +
+                 ", which line " + std::to_string(input->second) + " reads",
+             "Give it another 'output', or all of them another folder");
+    }
+  }
+}
+
 void refuse_circles(const fs::path& file, const Listing& listing,
                     const std::vector<BatchSession>& sessions) {
   for (std::size_t i = 0; i < sessions.size(); ++i) {
@@ -184,8 +260,9 @@ BatchManifest read_batch_manifest(const fs::path& file, const BatchManifestOptio
   for (const ManifestRow& row : listing.rows) {
     if (row.session.empty()) refuse(file, row.line, "a session without a file");
     const std::string name =
-        row.output.empty() ? fs::path(row.session).stem().string() + extension : row.output;
-    manifest.sessions.push_back({.session = base / row.session, .output = manifest.folder / name});
+        row.output.empty() ? default_output(row.session, extension) : row.output;
+    manifest.sessions.push_back(
+        {.session = base / row.session, .output = manifest.folder / name, .line = row.line});
   }
   const auto by_output = index_outputs(file, listing, manifest.sessions);
   for (std::size_t i = 0; i < manifest.sessions.size(); ++i) {
@@ -197,6 +274,7 @@ BatchManifest read_batch_manifest(const fs::path& file, const BatchManifestOptio
     session.topology = made != by_output.end() ? manifest.folder / name : base / name;
   }
   refuse_circles(file, listing, manifest.sessions);
+  refuse_inputs_as_outputs(file, manifest.sessions);
   return manifest;
 }
 

@@ -30,12 +30,14 @@ struct BatchSession {
   std::filesystem::path output;
   std::filesystem::path topology;    ///< empty: the session gets a triangulation of its own
   std::optional<std::size_t> after;  ///< index of the session whose output `topology` is
+  std::size_t line = 0;              ///< of the manifest
 };
 
 struct BatchManifest {
   std::filesystem::path file;
   std::filesystem::path folder;  ///< where outputs go
-  std::string options_toml;      ///< the table [options] as a document; empty when there is none
+  std::string options_toml;      ///< the table [options] as a document, on the same lines as in the
+                                 ///< file where possible; empty when there is none
   std::vector<BatchSession> sessions;
 };
 
@@ -45,8 +47,8 @@ struct BatchManifestOptions {
 };
 
 /// Throws InputError naming file, line and remedy for a manifest that cannot be read, names no
-/// session, gives two sessions the same output, or lets sessions wait for each other in a circle.
-/// Whether the sessions exist is not looked at.
+/// session, gives two sessions the same output, writes over a session or topology, or lets sessions
+/// wait for each other in a circle. Whether the sessions exist is not looked at.
 BatchManifest read_batch_manifest(const std::filesystem::path& file,
                                   const BatchManifestOptions& options = {});
 

@@ -1,10 +1,12 @@
 #include "reconstruct/convert_files.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 
 #include "capture/clean.h"
 #include "capture/edit_list.h"
+#include "config/error.h"
 #include "config/input_file.h"
 #include "config/output_file.h"
 #include "config/text.h"
@@ -184,6 +186,29 @@ void ConvertFilesOptions::declare(ParameterSet& p) {
 void ConvertFilesOptions::validate() const {
   convert.validate();
   validate_options(*this);
+}
+
+std::string default_output(const std::string& session, const std::string& extension) {
+  std::string name = fs::path(session).stem().string();
+  std::ranges::replace_if(
+      name, [](char c) { return c == '#' || c == '%'; }, '-');
+  return name + extension;
+}
+
+void refuse_session_options(const ConvertFilesOptions& options, const std::string& mesh) {
+  ConvertOptions given = options.convert, standard;
+  ParameterSet given_set, standard_set;
+  given.declare(given_set);
+  standard.declare(standard_set);
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < given_set.parameters().size(); ++i) {
+    const Parameter& p = given_set.parameters()[i];
+    if (p.get() != standard_set.parameters()[i].get()) names.push_back("--" + p.name());
+  }
+  if (names.empty()) return;
+  throw UsageError({.what = mesh + " is a mesh: " + join(names, ", ", " and ") +
+                            (names.size() > 1 ? " are" : " is") + " for sessions",
+                    .remedy = "Give the session that was recorded, or leave this out"});
 }
 
 ConvertFilesResult convert_files(const FormatRegistry& formats, const ConvertJob& job,

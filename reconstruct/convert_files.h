@@ -45,6 +45,14 @@ struct ConvertFilesResult {
   double report_error_mm = 0.0;  ///< largest error of the animation in the report
 };
 
+/// The session's name with `extension`: a name, never a pattern of numbered files, so that '#' and
+/// '%' in it become '-'.
+std::string default_output(const std::string& session, const std::string& extension);
+
+/// Throws UsageError naming what is set in `options` that holds for sessions only and says nothing
+/// about a mesh.
+void refuse_session_options(const ConvertFilesOptions& options, const std::string& mesh);
+
 /// Throws as read_session, convert_session and write_animation; then nothing is left.
 ConvertFilesResult convert_files(const FormatRegistry& formats, const ConvertJob& job,
                                  const ConvertFilesOptions& options = {},

@@ -94,13 +94,19 @@ class Batch {
         outcomes_(manifest_.sessions.size()) {
     const FormatRegistry formats = all_formats();
     for (std::size_t i = 0; i < outcomes_.size(); ++i) {  // said before any work is done
-      output_format(formats, output(i), arguments.options.writing, 2);
+      check_format(formats, i, arguments.options.writing);
     }
     const int asked = number_of_jobs(arguments.jobs);
     const int sessions = static_cast<int>(std::min<std::size_t>(outcomes_.size(), 1024));
     jobs_ = std::clamp(asked > 0 ? asked : terminal.run.threads(), 1, sessions);
+    if (arguments.options.anonymous) {
+      terminal.run.warn(
+          "the names of the results, the journal and the outcomes keep the names of the sessions' "
+          "files: name each 'output' without a person's, and pass on neither of the two");
+    }
+    keys_.resize(outcomes_.size());
     for (std::size_t i = 0; i < outcomes_.size(); ++i) {
-      keys_.push_back(key_of(i));
+      key_of(i);
       if (!arguments.resume) continue;
       if (const BatchRecord* record = journal_.finished(journal_.name_of(output(i)), keys_[i])) {
         outcomes_[i].state = State::finished_before;
@@ -217,7 +223,21 @@ class Batch {
     return manifest_.folder / (manifest_.file.stem().string() + suffix);
   }
 
-  std::string key_of(std::size_t i) const {
+  void check_format(const FormatRegistry& formats, std::size_t i,
+                    const WriteOptions& writing) const {
+    try {
+      output_format(formats, output(i), writing, 2);
+    } catch (const UsageError& e) {
+      ErrorDetails details = e.details();
+      details.file = manifest_.file.string();
+      details.place = "line " + std::to_string(manifest_.sessions[i].line);
+      throw UsageError(details);
+    }
+  }
+
+  /// Found once for each session: its files are read for it.
+  const std::string& key_of(std::size_t i) {
+    if (!keys_[i].empty()) return keys_[i];
     const BatchSession& s = manifest_.sessions[i];
     std::vector<fs::path> inputs{s.session};
     std::string options =
@@ -228,7 +248,7 @@ class Batch {
     } else if (!s.topology.empty()) {
       inputs.push_back(s.topology);
     }
-    return batch_key(inputs, options, program_version());
+    return keys_[i] = batch_key(inputs, options, program_version());
   }
 
   static void fail(Outcome& o, ExitCode code, const std::string& reason) {
@@ -394,8 +414,9 @@ CommandSpec batch_command() {
             line.flag("--dry-run", args->dry_run, "Say what would be done, and do nothing");
             line.parameters([args](ParameterSet& p) { args->options.declare(p); },
                             [args]() -> ConfigText {
+                              if (args->manifest.empty()) return {};  // --dump-config, or an error
                               const BatchManifest m = read_batch_manifest(args->manifest);
-                              return {m.options_toml, args->manifest + " [options]"};
+                              return {m.options_toml, args->manifest};
                             });
             line.json_output();
             return [args](Terminal& terminal) { return run_batch(*args, terminal); };

@@ -9,6 +9,7 @@
 #include "config/text.h"
 #include "config/version.h"
 #include "mesh/formats/mesh_io.h"
+#include "reconstruct/anonymous.h"
 #include "reconstruct/convert_files.h"
 #include "reconstruct/convert_summary.h"
 
@@ -51,9 +52,11 @@ ExitCode convert_mesh(const FormatRegistry& formats, const State& state, Termina
     throw UsageError({.what = job.session + " is a mesh: --topology and --edits are for sessions",
                       .remedy = "Give the session that was recorded"});
   }
-  const AnimationFile in =
-      read_animation_file(formats, job.session, state.options.reading.c3d.unstated,
-                          terminal.run.part(0.0, 0.5, "reading"));
+  refuse_session_options(state.options, job.session);
+  AnimationFile in = read_animation_file(formats, job.session, state.options.reading.c3d.unstated,
+                                         terminal.run.part(0.0, 0.5, "reading"));
+  if (state.options.anonymous) anonymise_mesh(in.mesh);
+  in.files.emplace_back(job.session);  // x.ply, when x.pc2 beside it is what was resolved
   OutputSet pending;
   const WriteResult out = add_animation(formats, in.mesh, job.output, state.options.writing,
                                         pending, terminal.run.part(0.5, 1.0, "writing"));
@@ -89,7 +92,11 @@ ExitCode convert(State& state, Terminal& terminal) {
   const FormatRegistry formats = all_formats();
   if (is_mesh(formats, state.job.session)) return convert_mesh(formats, state, terminal);
   if (state.job.output.empty()) {
-    state.job.output = std::filesystem::path(state.job.session).stem().string() + ".ply";
+    state.job.output = default_output(state.job.session, ".ply");
+    if (state.options.anonymous) {
+      terminal.run.warn("the files are named after the session, " + state.job.output +
+                        ": give a name without a person's with -o");
+    }
   }
   state.job.program = program_version();
   state.job.command = terminal.command_line;
@@ -121,7 +128,7 @@ CommandSpec convert_command() {
             line.option(
                 "-o,--output", state->job.output, "OUT",
                 "File of the animated mesh; its extension decides the format. By default the "
-                "session's name with .ply, in the current folder");
+                "session's name with .ply ('#' and '%' become '-'), in the current folder");
             line.option("--topology", state->job.previous, "PREVIOUS",
                         "Use the triangulation of this mesh again, by marker name");
             line.option("--edits", state->job.edits, "FILE",

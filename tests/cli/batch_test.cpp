@@ -200,6 +200,14 @@ TEST(Batch, WrongUsageIsSaid) {
   const test::ProgramRun wrong = batch({(folder.path() / "wrong.toml").string()});
   EXPECT_EQ(wrong.exit_code, 2);
   EXPECT_NE(wrong.err.find("unknown option 'picture'"), std::string::npos) << wrong.err;
+  EXPECT_NE(wrong.err.find("line 2"), std::string::npos) << wrong.err;
+  EXPECT_EQ(batch({}).exit_code, 2);
+  EXPECT_EQ(batch({"--dump-config"}).exit_code, 0);
+  write_file(folder.path() / "name.csv", "session,output\na.c3d,a.ply\nb.c3d,k.xyz\n");
+  const test::ProgramRun name = batch({(folder.path() / "name.csv").string(), "--dry-run"});
+  EXPECT_EQ(name.exit_code, 2);
+  EXPECT_NE(name.err.find("name.csv"), std::string::npos) << name.err;
+  EXPECT_NE(name.err.find("line 3"), std::string::npos) << name.err;
 }
 
 }  // namespace

@@ -269,6 +269,29 @@ TEST(Convert, WhatWasRecordedIsNeverReplaced) {
   EXPECT_EQ(test::run_program(KINEMESH_PROGRAM, {"convert", mesh, "-o", mesh}).exit_code, 2);
 }
 
+TEST(Convert, AMeshIsNeverReplacedByItsOwnConversion) {
+  const TemporaryFolder folder;
+  const auto run = [&](const std::string& from, const std::string& to,
+                       const std::vector<std::string>& more = {}) {
+    std::vector<std::string> words{"convert", folder.path() / from, "-o", folder.path() / to};
+    words.insert(words.end(), more.begin(), more.end());
+    return test::run_program(KINEMESH_PROGRAM, words);
+  };
+  std::ofstream(folder.path() / "s_1.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  std::ofstream(folder.path() / "s_2.obj") << "v 0 0 .5\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  ASSERT_EQ(run("s_#.obj", "a.ply", {"--rate", "25"}).exit_code, 0);
+  const std::string before = read_file(folder.path() / "a.ply");
+  const auto replacing = run("a.ply", "a.mdd", {"--output-unit", "m", "--frames", "1:2"});
+  EXPECT_EQ(replacing.exit_code, 2) << replacing.err;
+  EXPECT_EQ(read_file(folder.path() / "a.ply"), before);
+  EXPECT_FALSE(fs::exists(folder.path() / "a.mdd"));
+  // What a mesh cannot be asked for is said, not passed over.
+  const auto asked = run("a.ply", "b.glb", {"--stabilise", "--include", "A"});
+  EXPECT_EQ(asked.exit_code, 2);
+  EXPECT_NE(asked.err.find("--include"), std::string::npos) << asked.err;
+  EXPECT_EQ(run("a.ply", "b.glb", {"--anonymous"}).exit_code, 0);
+}
+
 TEST(Convert, UnreachableInputIsNoInternalError) {
   const TemporaryFolder folder;
   fs::create_symlink(folder.path() / "loop.c3d", folder.path() / "loop.c3d");

@@ -20,6 +20,30 @@ TEST(Anonymiser, ReplacesSubjectsAndPathsInAnyCase) {
   EXPECT_EQ(a("nothing to do"), "nothing to do");
 }
 
+TEST(Anonymiser, ACommandIsQuotedAfterTheNamesAreGone) {
+  Anonymiser a(session_of("Anna"));
+  a.add_path("/data/Anna's takes/t 1.c3d", "session.c3d");
+  EXPECT_EQ(a.command("kinemesh convert '/data/Anna'\\''s takes/t 1.c3d' -o x.ply --config "
+                      "/home/schmidt/o.toml --edits=/home/schmidt/e.toml --fill 'a b'"),
+            "kinemesh convert session.c3d -o x.ply --config options.toml --edits=file.toml "
+            "--fill 'a b'");
+}
+
+TEST(Anonymiser, AMeshKeepsNoName) {
+  AnimatedMesh mesh;
+  mesh.vertex_names = {"Anna:LFHD", "RFHD"};
+  mesh.provenance = {.command = "kinemesh convert anna.c3d",
+                     .options = "subject = \"Anna\"",
+                     .inputs = {{"/data/anna.c3d", "00"}},
+                     .source = "Anna"};
+  anonymise_mesh(mesh);
+  EXPECT_EQ(mesh.vertex_names[0], "subject1:LFHD");
+  EXPECT_EQ(mesh.vertex_names[1], "RFHD");
+  EXPECT_EQ(mesh.provenance.inputs[0].path, "input1.c3d");
+  EXPECT_EQ(mesh.provenance.inputs[0].sha256, "00");
+  EXPECT_EQ(mesh.provenance.command + mesh.provenance.options + mesh.provenance.source, "");
+}
+
 TEST(Anonymiser, ShortNamesAreReplacedOnlyWhereTheyStandAlone) {
   const Anonymiser a(session_of("B"));
   EXPECT_EQ(a("B:LBHD, a_b_c, (B)"), "subject1:LBHD, a_subject1_c, (subject1)");

@@ -89,6 +89,45 @@ TEST(BatchManifest, BadOnesAreRefusedWithLineAndReason) {
             std::string::npos);
 }
 
+TEST(BatchManifest, WhatIsReadIsNeverWrittenOver) {
+  const auto refused = [](const std::string& rows) {
+    return complaint_of("a.toml", "output = \"data\"\n" + rows).find("would replace") !=
+           std::string::npos;
+  };
+  const auto session = [](const std::string& file, const std::string& output,
+                          const std::string& topology = "") {
+    return "[[session]]\nsession = \"" + file + "\"\noutput = \"" + output + "\"\n" +
+           (topology.empty() ? "" : "topology = \"" + topology + "\"\n");
+  };
+  EXPECT_TRUE(refused(session("data/p.c3d", "q.c3d") + session("data/q.c3d", "r.c3d")));
+  EXPECT_TRUE(refused(session("data/p.c3d", "p.c3d")));
+  EXPECT_TRUE(refused(session("data/../data/p.c3d", "x/../p.c3d")));
+  EXPECT_TRUE(refused(session("data/p_quality.csv", "p.ply")));
+  EXPECT_TRUE(refused(session("data/p.c3d", "t.mdd", "data/t.ply")));
+  EXPECT_FALSE(refused(session("data/p.c3d", "p.ply")));
+  EXPECT_FALSE(refused(session("data/p.c3d", "p.ply") + session("data/q.c3d", "q.ply", "p.ply")));
+}
+
+TEST(BatchManifest, AnErrorInTheOptionsIsOnTheLineOfTheManifest) {
+  const TemporaryFolder folder;
+  const BatchManifest m =
+      manifest_of(folder, "a.toml",
+                  "# a\n\n[[session]]\nsession = \"x.c3d\"\n[options.write]\nformat = \"glb\"\n");
+  EXPECT_EQ(m.options_toml, "\n\n\n\n[write]\nformat = \"glb\"\n");
+  EXPECT_EQ(m.sessions[0].line, 3U);
+}
+
+TEST(BatchManifest, ANameIsNoPatternUnlessTheManifestSaysSo) {
+  const TemporaryFolder folder;
+  const BatchManifest m =
+      manifest_of(folder, "a.csv",
+                  "session,output\nsubject#1.c3d,\nsubject#11.c3d,\nx%04d.c3d,\ny.c3d,y_##.obj\n");
+  EXPECT_EQ(m.sessions[0].output.filename(), "subject-1.ply");
+  EXPECT_EQ(m.sessions[1].output.filename(), "subject-11.ply");
+  EXPECT_EQ(m.sessions[2].output.filename(), "x-04d.ply");
+  EXPECT_EQ(m.sessions[3].output.filename(), "y_##.obj");
+}
+
 TEST(BatchJournal, KnowsWhatIsFinishedAndTrustsNothingElse) {
   const TemporaryFolder folder;
   const fs::path file = folder.path() / "journal", mesh = folder.path() / "a.ply";
