@@ -3,6 +3,7 @@
 #include <toml++/toml.h>
 #include <algorithm>
 #include <map>
+#include <set>
 #include <sstream>
 
 #include "capture/formats/table_text.h"
@@ -176,13 +177,13 @@ std::map<std::string, std::size_t> index_outputs(const fs::path& file, const Lis
 
 std::string canonical_of(const fs::path& path) {
   std::error_code error;
-  const fs::path real = fs::weakly_canonical(path, error);
+  const fs::path real = fs::weakly_canonical(fs::absolute(path), error);
   return error ? key_of(path) : real.lexically_normal().string();
 }
 
-/// Everything that a conversion to `output` may replace, by name; of numbered files those that are
-/// there.
-std::vector<fs::path> written_for(const fs::path& output) {
+/// Everything that a conversion to `output` may replace, by name; with `numbered` also the numbered
+/// files that are there.
+std::vector<fs::path> written_for(const fs::path& output, bool numbered) {
   std::vector<fs::path> all{output};
   fs::path stem = output;
   stem.replace_extension();
@@ -194,9 +195,11 @@ std::vector<fs::path> written_for(const fs::path& output) {
                              : own == ".ply" || own == ".pc2" || own == ".mdd";
     if (belongs) all.emplace_back(name + beside);
   }
-  const fs::path numbered =
-      is_number_pattern(output) ? output : fs::path(name + "_####" + output.extension().string());
-  for (const NumberedFile& file : matching_files(numbered)) all.push_back(file.path);
+  if (numbered) {
+    const fs::path pattern =
+        is_number_pattern(output) ? output : fs::path(name + "_####" + output.extension().string());
+    for (const NumberedFile& file : matching_files(pattern)) all.push_back(file.path);
+  }
   while (name.ends_with('#') || name.ends_with('_')) name.pop_back();
   for (const char* beside :
        {"_frames.png", "_gaps.png", "_quality.csv", "_report.html", "_summary.json"}) {
@@ -212,8 +215,12 @@ void refuse_inputs_as_outputs(const fs::path& file, const std::vector<BatchSessi
     inputs.emplace(canonical_of(s.session), s.line);
     if (!s.topology.empty() && !s.after) inputs.emplace(canonical_of(s.topology), s.line);
   }
+  std::set<std::string> folders;
+  for (const auto& [path, line] : inputs) folders.insert(fs::path(path).parent_path().string());
   for (const BatchSession& s : sessions) {
-    for (const fs::path& written : written_for(s.output)) {
+    const bool beside_inputs =
+        folders.contains(fs::path(canonical_of(s.output)).parent_path().string());
+    for (const fs::path& written : written_for(s.output, beside_inputs)) {
       const auto input = inputs.find(canonical_of(written));
       if (input == inputs.end()) continue;
       refuse(file, s.line,
