@@ -96,7 +96,8 @@ TEST(Npz, DamagedArchivesAreRefusedWhereverTheyAreCut) {
 }
 
 TEST(Npz, MembersThatShareDataAreRefused) {
-  const std::vector<ZipMember> members{{"a", std::string(1000, 'x')}};
+  const std::string content(1000, 'x');
+  const std::vector<ZipMember> members{{"a", content}};
   const std::string one = zip_of(members);
   EXPECT_EQ(zip_members(one, "f").size(), 1U);
   const std::size_t central = one.size() - 22 - 47;  // 46 bytes and the name "a"
