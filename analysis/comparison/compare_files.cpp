@@ -47,34 +47,40 @@ void hide_names(ComparisonStory& story, const CompareJob& job) {
   story.name_b = "second performance";
 }
 
+/// Those of the user first, then those that every pair has.
+std::vector<MeasureSpec> measures_of(const CompareJob& job, const ComparisonStory& story) {
+  std::vector<MeasureSpec> specs;
+  if (!job.measures.empty()) specs = read_measures(job.measures);
+  const std::vector<MeasureSpec> usual = default_measures(story.a, story.b);
+  specs.insert(specs.end(), usual.begin(), usual.end());
+  return specs;
+}
+
 ComparisonStory tell(const FormatRegistry& formats, const CompareJob& job,
                      const CompareOptions& options, const RunContext& ctx) {
   ComparisonStory story;
   story.a = read_performance(formats, job.a, options.performance, ctx.part(0.0, 0.15, "reading A"));
   story.b = read_performance(formats, job.b, options.performance, ctx.part(0.15, 0.3, "reading B"));
   const Topology &of_a = story.a.mesh.topology(), &of_b = story.b.mesh.topology();
+  // Everything is read before the long part begins: what is wrong with it is said at once.
   std::vector<LandmarkPair> landmarks;
   if (!job.landmarks.empty()) landmarks = read_landmark_pairs(job.landmarks, of_a, of_b);
-  std::optional<SurfaceMap> map;
+  std::optional<SurfaceMap> map, truth;
   if (!job.map.empty()) map = read_surface_map(job.map);
+  if (!job.truth.empty()) truth = read_surface_map(job.truth);
+  const std::vector<SurfaceRegion> regions =
+      job.regions.empty() ? default_regions(story.a.mesh) : read_regions(job.regions, story.a.mesh);
+  const std::vector<MeasureSpec> specs = measures_of(job, story);
   const double window = options.comparison.rest_window_s;
   Comparison& c = story.comparison =
       compare_performances(story.a.mesh, story.b.mesh, options.comparison,
                            ctx.part(0.3, 0.8, "comparison"), landmarks, map ? &*map : nullptr);
-  story.regions = compare_regions(
-      c, of_b,
-      job.regions.empty() ? default_regions(story.a.mesh) : read_regions(job.regions, story.a.mesh),
-      window);
-  std::vector<MeasureSpec> specs = default_measures(story.a, story.b);
-  if (!job.measures.empty()) {
-    const std::vector<MeasureSpec> more = read_measures(job.measures);
-    specs.insert(specs.begin(), more.begin(), more.end());
-  }
+  story.regions = compare_regions(c, of_b, regions, window);
   story.measures = take_measures(c, story.a, story.b, specs, window);
   story.asymmetry = asymmetry_of(story.regions, story.measures);
-  if (!job.truth.empty()) {
-    story.truth = evaluate_map(c.forward, truth_from_map(read_surface_map(job.truth)),
-                               story.b.mesh.mesh_at(0), {.samples = 1000}, ctx);
+  if (truth) {
+    story.truth = evaluate_map(c.forward, truth_from_map(*truth), story.b.mesh.mesh_at(0),
+                               {.samples = 1000}, ctx);
   }
   return story;
 }

@@ -12,6 +12,7 @@
 #include "mesh/formats/mesh_io.h"
 #include "mesh/geodesics/geodesics.h"
 #include "tests/support/data.h"
+#include "tests/support/sanitizers.h"
 #include "tests/support/test_shapes.h"
 
 namespace kinemesh::landmark_matching_test {
@@ -61,6 +62,7 @@ void expect_met(const FullMatching& m, const AnimatedMesh& source, const Animate
 }
 
 TEST(LandmarkMatching, AHundredLandmarksOfATwistAreMetExactlyWithoutAFold) {
+  KINEMESH_LEAVE_TO_RELEASE("SeventeenLandmarksOfCatsInDifferentPosesAreMet");
   const test::Surface a = test::sphere(4, 50), b = test::sphere(4, 20);
   for (const std::size_t count : {1, 4, 25, 100}) {
     const auto pairs = twist_landmarks(a, b, count, 0.8);

@@ -9,6 +9,7 @@
 #include "config/error.h"
 #include "tests/support/data.h"
 #include "tests/support/ict_performer.h"
+#include "tests/support/sanitizers.h"
 
 namespace kinemesh::time_warp_test {
 namespace {
@@ -100,6 +101,7 @@ TEST(TimeWarp, NoiseMovesItLittle) {
 }
 
 TEST(TimeWarp, TwoFacesAreAlignedByWhatTheirSurfacesDo) {
+  KINEMESH_LEAVE_TO_RELEASE("Comparison.OnsetAndPeakOfTheSamples");
   KINEMESH_NEED_DATA("face_ict");
   const auto model = test::load_ict(test::data_folder() / "face_ict");
   const test::IctMotion motion = test::make_ict_motion(*model, 1);

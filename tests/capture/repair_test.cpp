@@ -12,6 +12,7 @@
 #include "capture/session.h"
 #include "config/error.h"
 #include "tests/support/data.h"
+#include "tests/support/sanitizers.h"
 #include "tests/support/shuffled_take.h"
 
 namespace kinemesh::repair_test {
@@ -234,6 +235,7 @@ TEST(Labelling, SamplesWithNoiseAndManyMoreGaps) {
 }
 
 TEST(Labelling, SamplesOfTheOtherSubject) {
+  KINEMESH_LEAVE_TO_RELEASE("SamplesWithoutAnyLabel");
   const MarkerSequence happy = sample("ben_happy");
   const MarkerSequence surprise = repair_take(sample("ben_surprise"), {.spikes = false}).take;
   EXPECT_GE(relabelled(surprise, happy), 99.5);

@@ -132,6 +132,7 @@ TEST(Convert, ATopologyIsUsedAgainByMarkerName) {
 }
 
 TEST(Convert, TheNumberOfThreadsDoesNotChangeAByte) {
+  KINEMESH_LEAVE_TO_RELEASE("Samples.ConvertWithNoOption");
   const TemporaryFolder folder;
   const fs::path session = test::sample_folder() / "anna_happy.c3d";
   std::vector<std::string> bytes;
