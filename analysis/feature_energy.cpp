@@ -210,14 +210,11 @@ double FeatureEnergy::coherence_weight(const Near& source, const Near& target) c
   return pairs > 0.0 ? options_.coherence * smaller / pairs : 0.0;
 }
 
-MatchingProblem FeatureEnergy::problem() const {
-  const std::size_t n = source_.places.size(), m = target_.places.size();
-  const double smaller = static_cast<double>(std::min(n, m));
-  MatchingProblem problem{.left_count = static_cast<uint32_t>(n),
-                          .right_count = static_cast<uint32_t>(m),
-                          .assignments = assignments(),
-                          .constant = options_.matched * smaller};
-  refuse_too_many(n, m, problem.assignments.size(), options_);
+double FeatureEnergy::smaller_count() const {
+  return static_cast<double>(std::min(source_.places.size(), target_.places.size()));
+}
+
+FeatureEnergy::Neighbourhoods FeatureEnergy::neighbourhoods() const {
   Neighbourhoods around{
       .compared_source = nearest(source_, options_.neighbours),
       .compared_target = nearest(target_, options_.neighbours),
@@ -225,40 +222,95 @@ MatchingProblem FeatureEnergy::problem() const {
       .coherent_target = nearest(target_, std::max(1, options_.coherence_neighbours))};
   around.coherence = coherence_weight(around.coherent_source, around.coherent_target);
   const double others = options_.neighbours > 0
-                            ? std::min<double>(options_.neighbours, smaller - 1.0)
-                            : smaller - 1.0;
+                            ? std::min<double>(options_.neighbours, smaller_count() - 1.0)
+                            : smaller_count() - 1.0;
   around.share = 2.0 / std::max(1.0, others);
+  return around;
+}
+
+MatchingProblem FeatureEnergy::problem() const {
+  const std::size_t n = source_.places.size(), m = target_.places.size();
+  MatchingProblem problem{.left_count = static_cast<uint32_t>(n),
+                          .right_count = static_cast<uint32_t>(m),
+                          .assignments = assignments(),
+                          .constant = options_.matched * smaller_count()};
+  refuse_too_many(n, m, problem.assignments.size(), options_);
+  const Neighbourhoods around = neighbourhoods();
   set_costs(around, problem.assignments);
   add_pairs(around, problem);
   return problem;
 }
 
+/// What a match costs as long as no neighbour is matched.
+double FeatureEnergy::own_coherence(const Neighbourhoods& around, std::size_t p,
+                                    std::size_t q) const {
+  const auto degree = [](const Near& near, std::size_t k) {
+    return std::accumulate(near[k].begin(), near[k].end(), 0.0);
+  };
+  return around.coherence * (degree(around.coherent_source, p) + degree(around.coherent_target, q));
+}
+
+double FeatureEnergy::shared_coherence(const Neighbourhoods& around, const MatchingAssignment& a,
+                                       const MatchingAssignment& b) {
+  return -2.0 * around.coherence *
+         ((around.coherent_source[a.left][b.left] != 0 ? 1.0 : 0.0) +
+          (around.coherent_target[a.right][b.right] != 0 ? 1.0 : 0.0));
+}
+
+bool FeatureEnergy::are_compared(const Neighbourhoods& around, const MatchingAssignment& a,
+                                 const MatchingAssignment& b) {
+  return around.compared_source[a.left][b.left] != 0 ||
+         around.compared_target[a.right][b.right] != 0;
+}
+
 /// What each match costs by itself.
 void FeatureEnergy::set_costs(const Neighbourhoods& around,
                               std::vector<MatchingAssignment>& assignments) const {
-  const auto degree = [](const Near& near, uint32_t p) {
-    return std::accumulate(near[p].begin(), near[p].end(), 0.0);
-  };
   for (MatchingAssignment& a : assignments) {
     a.cost = options_.descriptor * descriptor(a.left, a.right) - options_.matched +
-             around.coherence *
-                 (degree(around.coherent_source, a.left) + degree(around.coherent_target, a.right));
+             own_coherence(around, a.left, a.right);
   }
 }
 
 double FeatureEnergy::pair_cost(const Neighbourhoods& around, const MatchingAssignment& a,
                                 const MatchingAssignment& b) const {
-  double cost = -2.0 * around.coherence *
-                ((around.coherent_source[a.left][b.left] != 0 ? 1.0 : 0.0) +
-                 (around.coherent_target[a.right][b.right] != 0 ? 1.0 : 0.0));
-  if (around.compared_source[a.left][b.left] != 0 ||
-      around.compared_target[a.right][b.right] != 0) {
+  double cost = shared_coherence(around, a, b);
+  if (are_compared(around, a, b)) {
     const PairTerms terms = pair(a.left, b.left, a.right, b.right);
     cost += around.share *
             (options_.geodesic * terms.geodesic + options_.orientation * terms.orientation +
              (terms.prior_broken ? broken_prior : 0.0));
   }
   return cost;
+}
+
+EnergyTerms FeatureEnergy::terms(std::span<const uint32_t> labelling) const {
+  const Neighbourhoods around = neighbourhoods();
+  std::vector<MatchingAssignment> chosen;
+  for (uint32_t p = 0; p < labelling.size(); ++p) {
+    if (labelling[p] != unmatched) chosen.push_back({p, labelling[p], 0.0});
+  }
+  EnergyTerms sum;
+  for (std::size_t k = 0; k < chosen.size(); ++k) {
+    const MatchingAssignment& a = chosen[k];
+    sum.descriptor += options_.descriptor * descriptor(a.left, a.right);
+    sum.coherence += own_coherence(around, a.left, a.right);
+    for (std::size_t o = 0; o < k; ++o) {
+      const MatchingAssignment& b = chosen[o];
+      sum.coherence += shared_coherence(around, a, b);
+      if (!are_compared(around, a, b)) continue;
+      const PairTerms two = pair(a.left, b.left, a.right, b.right);
+      sum.geodesic += around.share * options_.geodesic * two.geodesic;
+      sum.orientation += around.share * options_.orientation * two.orientation;
+      sum.prior += around.share * (two.prior_broken ? broken_prior : 0.0);
+    }
+  }
+  sum.unmatched_part = options_.matched * (smaller_count() - static_cast<double>(chosen.size()));
+  for (double* term : {&sum.descriptor, &sum.geodesic, &sum.orientation, &sum.prior,
+                       &sum.unmatched_part, &sum.coherence}) {
+    *term /= smaller_count();
+  }
+  return sum;
 }
 
 void FeatureEnergy::add_pairs(const Neighbourhoods& around, MatchingProblem& problem) const {

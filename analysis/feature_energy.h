@@ -1,6 +1,7 @@
 // The energy of matching features (thesis 5-6) as a graph matching problem. Internal to analysis.
 #pragma once
 
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -21,6 +22,8 @@ class FeatureEnergy {
   FeatureEnergy(const FeaturePlaces& source, const FeaturePlaces& target,
                 const FeatureMatchingOptions& options);
 
+  const FeaturePlaces& source() const { return source_; }
+  const FeaturePlaces& target() const { return target_; }
   /// θ of a match.
   double descriptor(std::size_t p, std::size_t q) const {
     return descriptor_(static_cast<Eigen::Index>(p), static_cast<Eigen::Index>(q));
@@ -33,6 +36,8 @@ class FeatureEnergy {
   /// The problem, its energy being that of (5-6) times the smaller count. Throws NoResultError when
   /// it would be too large.
   MatchingProblem problem() const;
+  /// `labelling`: the target's place of each of the source's, or `unmatched`.
+  EnergyTerms terms(std::span<const uint32_t> labelling) const;
 
  private:
   using Near = std::vector<std::vector<char>>;
@@ -42,6 +47,13 @@ class FeatureEnergy {
     double coherence = 0.0;  ///< λ_coh for one pair of neighbours
     double share = 0.0;      ///< of one pair of matches in the mean over pairs
   };
+  double smaller_count() const;
+  Neighbourhoods neighbourhoods() const;
+  double own_coherence(const Neighbourhoods& around, std::size_t p, std::size_t q) const;
+  static double shared_coherence(const Neighbourhoods& around, const MatchingAssignment& a,
+                                 const MatchingAssignment& b);
+  static bool are_compared(const Neighbourhoods& around, const MatchingAssignment& a,
+                           const MatchingAssignment& b);
   void measure_descriptors();
   void set_costs(const Neighbourhoods& around, std::vector<MatchingAssignment>& assignments) const;
   double pair_cost(const Neighbourhoods& around, const MatchingAssignment& a,

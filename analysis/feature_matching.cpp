@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "analysis/feature_energy.h"
+#include "analysis/match_consensus.h"
 
 namespace kinemesh {
 
@@ -37,9 +38,8 @@ void FeatureMatchingOptions::declare(ParameterSet& p) {
       "reject", reject,
       {.min = 0,
        .max = 10,
-       .help =
-           "Take back matches whose distances to the others, near ones counting most, change by "
-           "more than this part of √area in the mean; 0: none"});
+       .help = "Take back matches that are this far, as a part of √area, from where the others say "
+               "they are; 0: none"});
   p.choice("prior", prior,
            {{GeodesicPrior::none, "none", "not used"},
             {GeodesicPrior::printed, "printed", "both increase or both decrease (Algorithm 5-3)"},
@@ -52,13 +52,6 @@ void FeatureMatchingOptions::declare(ParameterSet& p) {
 }
 
 namespace {
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
 
 /// Energies of whole matchings that differ in a match or two, from a table of all costs.
 class Alternatives {
@@ -125,71 +118,6 @@ class Alternatives {
   std::vector<uint32_t> chosen_, at_right_;
 };
 
-/// How far matches are from where the others say, by distances over the surface and twists.
-class Misfits {
- public:
-  Misfits(const FeatureEnergy& energy, const std::vector<FeatureMatch>& matches)
-      : energy_(energy), matches_(matches) {
-    std::vector<double> ratios;
-    for (std::size_t k = 0; k < matches.size(); ++k) {
-      for (std::size_t o = 0; o < k; ++o) {
-        const auto [a, b] = lengths(k, o);
-        if (std::isfinite(a) && std::isfinite(b) && a > short_length) ratios.push_back(b / a);
-      }
-    }
-    if (!ratios.empty()) scale_ = median(std::move(ratios));
-  }
-
-  /// The mean change of a match's distances and twists to the others, near ones counting most, in
-  /// √area; the median ratio of all distances counts as a change of size.
-  double of(std::size_t k) const {
-    double sum = 0.0, weights = 0.0;
-    for (std::size_t o = 0; o < matches_.size(); ++o) {
-      const auto [a, b] = lengths(k, o);
-      if (o == k || (!std::isfinite(a) && !std::isfinite(b))) continue;
-      const bool same_part = std::isfinite(a) && std::isfinite(b);
-      const double weight = same_part ? std::exp(-a / neighbourhood) : 1.0;
-      const double twist = terms(k, o).orientation;
-      sum += weight * (same_part ? std::abs(scale_ * a - b) + twist_weight * twist : 1.0);
-      weights += weight;
-    }
-    return weights > 0.0 ? sum / weights : 0.0;
-  }
-
- private:
-  static constexpr double short_length = 0.1, neighbourhood = 0.3;  // √area
-  static constexpr double twist_weight = 0.05;
-  PairTerms terms(std::size_t k, std::size_t o) const {
-    return energy_.pair(matches_[k].source, matches_[o].source, matches_[k].target,
-                        matches_[o].target);
-  }
-  std::pair<double, double> lengths(std::size_t k, std::size_t o) const {
-    return energy_.lengths(matches_[k].source, matches_[o].source, matches_[k].target,
-                           matches_[o].target);
-  }
-
-  const FeatureEnergy& energy_;
-  const std::vector<FeatureMatch>& matches_;
-  double scale_ = 1.0;
-};
-
-void fill_misfits(const FeatureEnergy& energy, std::vector<FeatureMatch>& matches) {
-  const Misfits misfits(energy, matches);
-  for (std::size_t k = 0; k < matches.size(); ++k) matches[k].misfit = misfits.of(k);
-}
-
-/// Takes back the worst match until all fit the others.
-void reject_outliers(const FeatureEnergy& energy, double limit, std::vector<FeatureMatch>& matches,
-                     std::vector<FeatureMatch>& rejected) {
-  while (limit > 0.0 && matches.size() > 3) {
-    fill_misfits(energy, matches);
-    const auto worst = std::ranges::max_element(matches, {}, &FeatureMatch::misfit);
-    if (worst->misfit <= limit) return;
-    rejected.push_back(*worst);
-    matches.erase(worst);
-  }
-}
-
 void add_pair_terms(const FeatureEnergy& energy, std::vector<FeatureMatch>& matches) {
   for (FeatureMatch& m : matches) {
     double geodesic = 0.0, orientation = 0.0;
@@ -203,22 +131,6 @@ void add_pair_terms(const FeatureEnergy& energy, std::vector<FeatureMatch>& matc
     m.geodesic = geodesic / others;
     m.orientation = orientation / others;
   }
-}
-
-/// The weighted terms of (5-6) for the matches kept.
-void sum_terms(const FeaturePlaces& source, const FeaturePlaces& target,
-               const FeatureMatchingOptions& options, FeatureMatching& result) {
-  const double smaller = static_cast<double>(std::min(source.places.size(), target.places.size()));
-  const double count = static_cast<double>(result.matches.size());
-  const double reach = (count - 1.0) / std::max(1.0, smaller - 1.0) / smaller;
-  for (const FeatureMatch& m : result.matches) {
-    result.descriptor += options.descriptor * m.descriptor / smaller;
-    result.geodesic += options.geodesic * m.geodesic * reach;
-    result.orientation += options.orientation * m.orientation * reach;
-  }
-  result.unmatched_part = options.matched * (1.0 - count / smaller);
-  result.coherence = result.solution.energy / smaller - result.descriptor - result.geodesic -
-                     result.orientation - result.unmatched_part;
 }
 
 /// From numbers of places to numbers of features.
@@ -259,6 +171,7 @@ FeatureMatching match_features(const FeaturePlaces& source, const FeaturePlaces&
   result.assignments = problem.assignments.size();
   result.pairs = problem.pairs.size();
   result.solution = solve_matching(problem, solver, ctx);
+  result.terms = energy.terms(result.solution.labelling);
   Alternatives alternatives(problem);
   alternatives.set_matching(result.solution.labelling);
   for (uint32_t p = 0; p < problem.left_count; ++p) {
@@ -272,10 +185,9 @@ FeatureMatching match_features(const FeaturePlaces& source, const FeaturePlaces&
                               .runner_up = runner_up,
                               .margin = margin});
   }
-  reject_outliers(energy, options.reject, result.matches, result.rejected);
+  take_back_misfits(energy, options.reject, result.matches, result.rejected);
   fill_misfits(energy, result.matches);
   add_pair_terms(energy, result.matches);
-  sum_terms(source, target, options, result);
   if (result.matches.empty()) {
     result.empty_reason =
         "leaving every feature unmatched costs least; lower the weights or raise "

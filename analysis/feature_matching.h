@@ -45,7 +45,7 @@ struct FeatureMatchingOptions {
   double orientation = 1.5;  ///< λ_orient
   double matched = 1.5;      ///< λ_unmat
   double coherence = 0.05;   ///< λ_coh
-  double reject = 0.034;     ///< misfit above which a match is taken back, √area
+  double reject = 0.032;     ///< misfit above which a match is taken back, √area
   double time_weight = 1.0;  ///< of the difference in normalised time, beside the descriptors
   GeodesicPrior prior = GeodesicPrior::none;
   double prior_tolerance = 0.05;  ///< of the curve's range
@@ -77,12 +77,20 @@ FeaturePlaces feature_places(const FeatureSet& set, const AnimatedMesh& animatio
                              const FeatureMatchingOptions& options = {},
                              const RunContext& ctx = {});
 
+/// The weighted terms of (5-6) of a labelling; their sum times the smaller count is its energy.
+struct EnergyTerms {
+  double descriptor = 0.0, geodesic = 0.0, orientation = 0.0, prior = 0.0, unmatched_part = 0.0,
+         coherence = 0.0;
+};
+
 struct FeatureMatch {
   uint32_t source = 0, target = 0;  ///< indices into the feature sets
   double descriptor = 0.0;          ///< θ_a
   double geodesic = 0.0;            ///< mean relative distortion to the other matches
   double orientation = 0.0;         ///< mean twist difference to the other matches
-  double misfit = 0.0;              ///< mean change of distances and twists to the others
+  double distance_change = 0.0;     ///< mean change of distances and twists to near others, √area
+  double offset = 0.0;              ///< from where a smooth map through the others puts it, √area
+  double misfit = 0.0;              ///< of both, what is compared with the option `reject`
   double energy = 0.0;              ///< what the match adds to the energy, × the smaller count
   uint32_t runner_up = unmatched;   ///< the target feature that would be next best; or none
   double margin = 0.0;  ///< by how much the energy (× the smaller count) is worse with it
@@ -94,8 +102,7 @@ struct FeatureMatching {
   std::vector<FeatureMatch> rejected;  ///< taken back for their distortion
   MatchingResult solution;             ///< energy and bound of the graph matching
   std::size_t assignments = 0, pairs = 0;
-  double descriptor = 0.0, geodesic = 0.0, orientation = 0.0, unmatched_part = 0.0,
-         coherence = 0.0;    ///< weighted terms of the energy
+  EnergyTerms terms;         ///< of the solution, before matches are taken back
   std::string empty_reason;  ///< why there are no matches
 };
 

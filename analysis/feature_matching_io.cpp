@@ -19,6 +19,8 @@ Json as_json(const FeatureMatch& m, const FeatureSet& source, const FeatureSet& 
           {"descriptor", m.descriptor},
           {"geodesic", m.geodesic},
           {"orientation", m.orientation},
+          {"distance_change", m.distance_change},
+          {"offset", m.offset},
           {"misfit", m.misfit},
           {"energy", m.energy},
           {"runner_up", m.runner_up == unmatched ? Json(nullptr) : Json(m.runner_up)},
@@ -45,11 +47,10 @@ std::string matches_json(const FeatureMatching& matching, const FeatureSet& sour
             {"certified", matching.solution.certified},
             {"assignments", matching.assignments},
             {"pairs", matching.pairs}};
-  json["terms"] = {{"descriptor", matching.descriptor},
-                   {"geodesic", matching.geodesic},
-                   {"orientation", matching.orientation},
-                   {"unmatched", matching.unmatched_part},
-                   {"coherence", matching.coherence}};
+  json["terms"] = {
+      {"descriptor", matching.terms.descriptor},    {"geodesic", matching.terms.geodesic},
+      {"orientation", matching.terms.orientation},  {"prior", matching.terms.prior},
+      {"unmatched", matching.terms.unmatched_part}, {"coherence", matching.terms.coherence}};
   json["matches"] = list_of(matching.matches, source, target);
   json["rejected"] = list_of(matching.rejected, source, target);
   json["unmatched_source"] = matching.unmatched_source;
@@ -61,13 +62,15 @@ std::string matches_json(const FeatureMatching& matching, const FeatureSet& sour
 std::string matches_csv(const FeatureMatching& matching, const FeatureSet& source,
                         const FeatureSet& target) {
   std::string text =
-      "source,target,source_vertex,target_vertex,descriptor,geodesic,orientation,misfit,energy,"
+      "source,target,source_vertex,target_vertex,descriptor,geodesic,orientation,distance_change,"
+      "offset,misfit,energy,"
       "runner_up,margin\n";
   for (const FeatureMatch& m : matching.matches) {
     text += std::to_string(m.source) + ',' + std::to_string(m.target) + ',' +
             std::to_string(source.features[m.source].vertex) + ',' +
             std::to_string(target.features[m.target].vertex);
-    for (const double value : {m.descriptor, m.geodesic, m.orientation, m.misfit, m.energy}) {
+    for (const double value : {m.descriptor, m.geodesic, m.orientation, m.distance_change, m.offset,
+                               m.misfit, m.energy}) {
       text += ',' + format_number(value);
     }
     text += ',' + (m.runner_up == unmatched ? std::string() : std::to_string(m.runner_up)) + ',' +

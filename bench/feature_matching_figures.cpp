@@ -285,7 +285,8 @@ int main(int argc, char** argv) {
         make_pairs(count, [&](std::size_t k) { return face_pair(k, seed, remeshed); });
     measure("faces", faces, all, options);
     measure("faces, 20 × 24", faces, demanded, options);
-    swept ? sweep(faces, options) : compare_priors(faces, options);
+    if (swept) sweep(faces, options);
+    if (!swept && !remeshed) compare_priors(faces, options);
   } catch (const Error& e) {
     std::fprintf(stderr, "%s\n", e.what());
     return 1;

@@ -41,6 +41,7 @@ Scene scene_of(const Mesh& mesh, const GeodesicField& field, const std::vector<G
         {.centre = place(source), .radius_px = 5.0F, .colour = colour_from_hex(0xd1242f)});
   }
   for (const GeodesicPath& path : paths) {
+    if (path.points.empty()) continue;  // no path leads there
     SceneLine line{{}, colour_from_hex(0xd1242f), 2.4, lift};
     for (const SurfacePoint& p : path.points) line.points.push_back(place(p));
     scene.spheres.push_back(

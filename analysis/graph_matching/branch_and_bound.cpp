@@ -11,6 +11,7 @@ namespace kinemesh::graph_matching {
 namespace {
 
 constexpr std::size_t entry_bytes = 16;
+constexpr int few_stale = 8;                   // then local search gets less of the time
 constexpr std::size_t many_entries = 500'000;  // sweeps are slow: a bound before the first
 
 class BranchAndBound {
@@ -20,12 +21,15 @@ class BranchAndBound {
   double run() {
     const std::size_t size = state_.table().size();
     state_.improve(800'000 + 2000 * size);
+    if (state_.simple_bound() >= state_.cutoff()) return state_.simple_bound();
     if (state_.stop() || size == 0) return size == 0 ? 0.0 : -infinite;
     StarRelaxation root(
         state_.table(),
         static_cast<std::size_t>(state_.options().memory_mb) * 500'000 / entry_bytes, stop_);
     if (!root.usable()) {
-      while (!state_.stop()) state_.improve(10'000'000);
+      while (!state_.stop() && state_.simple_bound() < state_.cutoff()) {
+        state_.improve(10'000'000);
+      }
       return -infinite;
     }
     if (root.entries() > many_entries && !root.lower_rows(stop_)) return -infinite;
@@ -35,15 +39,17 @@ class BranchAndBound {
  private:
   /// Sweeps while they pay. Returns whether the subproblem is settled.
   bool sweep(StarRelaxation& node, int depth) {
-    const uint64_t share = node.entries() * (depth == 0 ? 4 : 1);
-    double gained = infinite;
+    double gained = infinite, energy = state_.energy();
+    int stale = 0;  // passes since a better matching was found
     for (int pass = 0;; ++pass) {
       const double before = node.bound();
       if (!node.sweep(state_.cutoff(), stop_)) return false;
       state_.count_iteration();
       if (node.bound() >= state_.cutoff()) return true;
       state_.offer(node.master());
-      state_.improve(share);
+      state_.improve(node.entries() * (depth == 0 && stale < few_stale ? 4 : 1));
+      stale = state_.energy() < energy ? 0 : stale + 1;
+      energy = state_.energy();
       if (node.bound() >= state_.cutoff()) return true;
       if (node.many_struck_out()) shrink(node);
       // A few passes' mean gain against what is left to gain.

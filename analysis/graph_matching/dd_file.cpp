@@ -22,7 +22,9 @@ std::string quoted(std::string_view word) {
 
 class Parser {
  public:
-  Parser(std::string_view text, const std::string& file) : text_(text), file_(file) {}
+  Parser(std::string_view text, const std::string& file) : text_(text), file_(file) {
+    if (text_.starts_with("\xEF\xBB\xBF")) text_.remove_prefix(3);  // mark of UTF-8
+  }
 
   MatchingProblem parse() {
     while (next_line()) parse_line();
@@ -43,7 +45,8 @@ class Parser {
   [[noreturn]] void fail(const std::string& what, std::size_t line = 0) const {
     throw InputError({.what = what,
                       .file = file_,
-                      .place = "line " + std::to_string(line > 0 ? line : line_number_),
+                      .place = "line " + std::to_string(std::max<std::size_t>(
+                                             1, line > 0 ? line : line_number_)),
                       .remedy = "docs/matching.md describes the format"});
   }
 

@@ -6,7 +6,8 @@
 namespace kinemesh::graph_matching {
 namespace {
 
-constexpr double tiny = 1e-12;  // moves that gain less than this are no gain
+constexpr uint32_t move_overhead = 20;  // asking the clock, in assignments
+constexpr double tiny = 1e-12;          // moves that gain less than this are no gain
 
 }  // namespace
 
@@ -130,43 +131,44 @@ void LocalSearch::forbid(uint32_t i, uint32_t from) {
   (from == unmatched ? tabu_null_[i] : tabu_[from]) = until;
 }
 
+/// For a move that would be better than the best so far: takes it unless it is forbidden.
 void LocalSearch::offer(const Move& move, Move& best) const {
-  if (move.delta >= best.delta) return;
   const bool tabu = is_tabu(move.left, move.to) ||
                     (move.other != unmatched && is_tabu(move.other, move.other_to));
   if (tabu && energy_ + move.delta >= start_best_ - tiny) return;
   best = move;
 }
 
-void LocalSearch::consider(uint32_t i, uint32_t to, Move& best) const {
-  const uint32_t from = now_[i];
+/// Moves of left node i, at `from`, to another assignment. Most are no better than the best so far,
+/// so that is asked first.
+void LocalSearch::consider(uint32_t i, uint32_t from, uint32_t to, Move& best) const {
   const uint32_t held = at_right_[table_.right(to)];
   const double base = gain_[to] - gain(from);
   if (held == unmatched) {
-    offer({.delta = base, .left = i, .to = to}, best);
+    if (base < best.delta) offer({.delta = base, .left = i, .to = to}, best);
     return;
   }
   const uint32_t k = table_.left(held);
   const double between = from == unmatched ? 0.0 : table_.pair_cost(from, held);
   const double take = base - gain_[held] + between;
-  offer({.delta = take, .left = i, .to = to, .other = k}, best);
-  if (from == unmatched) return;
+  if (take < best.delta) offer({.delta = take, .left = i, .to = to, .other = k}, best);
+  if (from == unmatched || k < i) return;  // an exchange is considered once
   const uint32_t back = table_.find(k, table_.right(from));
-  if (back == unmatched || k < i) return;  // an exchange is considered once
-  offer({.delta = take + gain_[back] + table_.pair_cost(to, back),
-         .left = i,
-         .to = to,
-         .other = k,
-         .other_to = back},
-        best);
+  if (back == unmatched) return;
+  const double exchange = take + gain_[back] + table_.pair_cost(to, back);
+  if (!(exchange < best.delta)) return;
+  offer({.delta = exchange, .left = i, .to = to, .other = k, .other_to = back}, best);
 }
 
 LocalSearch::Move LocalSearch::best_move() const {
   Move best{.delta = std::numeric_limits<double>::infinity()};
   for (uint32_t i = 0; i < table_.left_count(); ++i) {
-    if (now_[i] != unmatched) offer({.delta = -gain_[now_[i]], .left = i}, best);
+    const uint32_t from = now_[i];
+    if (from != unmatched && -gain_[from] < best.delta) {
+      offer({.delta = -gain_[from], .left = i}, best);
+    }
     for (const uint32_t to : table_.of_left(i)) {
-      if (to != now_[i]) consider(i, to, best);
+      if (to != from) consider(i, from, to, best);
     }
   }
   return best;
@@ -188,7 +190,7 @@ void LocalSearch::search(uint32_t moves, const std::function<bool()>& stop) {
     const Move move = best_move();
     ++clock_;
     --left;
-    work_ += table_.size() + 1;
+    work_ += table_.size() + move_overhead;
     if (move.left == unmatched) continue;  // everything is tabu for now
     const double before = start_best_;
     apply(move);

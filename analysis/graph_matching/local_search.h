@@ -54,7 +54,7 @@ class LocalSearch {
   void set(uint32_t i, uint32_t a);  // i's assignment becomes a; the right node must be free
   void apply(const Move& move);
   Move best_move() const;
-  void consider(uint32_t i, uint32_t to, Move& best) const;
+  void consider(uint32_t i, uint32_t from, uint32_t to, Move& best) const;
   void offer(const Move& move, Move& best) const;
   bool is_tabu(uint32_t i, uint32_t to) const;
   void forbid(uint32_t i, uint32_t from);

@@ -31,6 +31,11 @@ void MatchingOptions::declare(ParameterSet& p) {
 }
 
 namespace graph_matching {
+namespace {
+
+constexpr double tiny_gap = 1e-12;  // energies that differ by less are the same
+
+}  // namespace
 
 SearchState::SearchState(const MatchingProblem& problem, const MatchingOptions& options,
                          const RunContext& ctx, Clock::time_point begin)
@@ -45,7 +50,7 @@ SearchState::SearchState(const MatchingProblem& problem, const MatchingOptions& 
 }
 
 double SearchState::cutoff() const {
-  return energy() - std::max(options_.gap * std::abs(energy()), 1e-12);
+  return energy() - std::max(options_.gap * std::abs(energy()), tiny_gap);
 }
 
 double SearchState::seconds() const {
@@ -72,7 +77,7 @@ void SearchState::offer(const std::vector<uint32_t>& assignments) {
 void SearchState::improve(uint64_t work) {
   if (table_.size() == 0) return;
   const uint64_t until = local_.work() + work;
-  while (local_.work() < until && !stop()) {
+  while (local_.work() < until && energy() > simple_bound_ + tiny_gap && !stop()) {
     if (starts_ % 4 == 0) {
       local_.start_greedy();
     } else if (starts_ % 2 == 1) {
@@ -107,7 +112,10 @@ MatchingResult solve_matching(const MatchingProblem& problem, const MatchingOpti
   result.iterations = state.iterations();
   result.seconds = state.seconds();
   result.time_is_up = state.was_out_of_time();
-  result.certified = result.energy - result.bound <= certified_gap * std::abs(result.energy);
+  // Relative to what the matching gains; a constant, which no choice changes, does not count.
+  const double gain = result.energy - problem.constant;
+  result.certified = result.energy - result.bound <=
+                     std::max(certified_gap * std::abs(gain), graph_matching::tiny_gap);
   return result;
 }
 

@@ -42,7 +42,7 @@ struct MatchingResult {
   int64_t iterations = 0;
   int64_t branches = 0;  ///< subproblems of branch and bound
   double seconds = 0.0;
-  bool certified = false;  ///< bound within `certified_gap` of the energy
+  bool certified = false;  ///< bound within `certified_gap` of the energy without the constant
   bool time_is_up = false;
 };
 

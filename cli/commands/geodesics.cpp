@@ -26,8 +26,11 @@ struct Arguments {
 
 SurfacePoint point_of(const std::string& text, const Topology& topology) {
   if (const std::optional<SurfacePoint> point = parse_place(text, topology)) return *point;
-  throw UsageError({.what = "'" + text + "' names no point of the mesh",
-                    .remedy = "Give a vertex by its number from 0, or a point as FACE:B0:B1:B2"});
+  throw UsageError({.what = "'" + text + "' names no point of the mesh, which has " +
+                            count_of(topology.vertex_count(), "vertex", "vertices") + " and " +
+                            count_of(topology.face_count(), "face"),
+                    .remedy = "Give a vertex that belongs to a face by its number from 0, or a "
+                              "point as FACE:B0:B1:B2 with weights that add up to 1"});
 }
 
 std::vector<SurfacePoint> points_of(const std::vector<std::string>& words,
@@ -93,7 +96,7 @@ std::string in_words(const nlohmann::ordered_json& s) {
   for (const auto& target : s["targets"]) {
     text += "\nto " + target["to"].get<std::string>() + ": " +
             (target["distance_mm"].is_null()
-                 ? "no path"
+                 ? "no path within the radius or on the same piece of the mesh"
                  : format_number(target["distance_mm"].get<double>()) + " mm");
   }
   return text;
@@ -111,8 +114,10 @@ ExitCode run_geodesics(const Arguments& args, Terminal& terminal) {
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;
   std::vector<GeodesicPath> paths;
   if (args.geodesics.method != GeodesicMethod::heat) {
-    for (std::size_t t = 0; t < args.to.size(); ++t)
-      paths.push_back(solver.path_to_target(field, t));
+    for (std::size_t t = 0; t < args.to.size(); ++t) {  // empty where no path leads
+      paths.push_back(std::isfinite(field.target_distances[t]) ? solver.path_to_target(field, t)
+                                                               : GeodesicPath{});
+    }
   }
   write_output(args, mesh, field, paths, terminal);
   const nlohmann::ordered_json result = summary(args, field, paths, spent.count());

@@ -1,4 +1,5 @@
 // kinemesh match: which feature of one animation is which of another.
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "analysis/feature_io.h"
@@ -80,21 +81,33 @@ void draw(const Arguments& args, const FeatureMatching& matching, const FeatureS
 }
 
 std::string in_words(const FeatureMatching& matching) {
+  const auto number = [](double value) {
+    return format_fixed(std::abs(value) < 5e-5 ? 0.0 : value, 4);  // no minus nought
+  };
   std::string text = count_of(matching.matches.size(), "match", "matches") + ", " +
                      std::to_string(matching.unmatched_source.size()) + " and " +
                      std::to_string(matching.unmatched_target.size()) +
-                     " features without one; energy " + format_fixed(matching.solution.energy, 4) +
-                     ", bound " + format_fixed(matching.solution.bound, 4) +
+                     " features without one; energy " + number(matching.solution.energy) +
+                     ", bound " + number(matching.solution.bound) +
                      (matching.solution.certified ? " (certified)" : " (not certified)");
   if (!matching.rejected.empty()) {
     text += "\n" + count_of(matching.rejected.size(), "match", "matches") +
-            " taken back: distances to the others change too much (--reject)";
+            " taken back: not where the others put them (--reject)";
   }
   if (!matching.empty_reason.empty()) text += "\nno match: " + matching.empty_reason;
   return text;
 }
 
+void refuse_picture(const std::string& picture) {
+  const std::string extension = lower(std::filesystem::path(picture).extension().string());
+  if (picture.empty() || extension == ".png" || extension == ".svg") return;
+  throw UsageError({.what = "pictures of matches are .png or .svg, not '" + extension + "'",
+                    .file = picture,
+                    .remedy = "Name the picture matches.png or matches.svg"});
+}
+
 ExitCode run_match(const Arguments& args, Terminal& terminal) {
+  refuse_picture(args.picture);
   const FeatureSet a = read_features(args.features_a), b = read_features(args.features_b);
   refuse_too_many_features(a.features.size(), b.features.size(), args.matching);
   const AnimatedMesh mesh_a =

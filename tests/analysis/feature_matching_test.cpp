@@ -107,8 +107,26 @@ TEST(FeatureMatching, ASubjectMatchesItself) {
     EXPECT_NEAR(k.geodesic, 0.0, 1e-9);
     EXPECT_GT(k.margin, 0.0);
   }
-  EXPECT_NEAR(m.coherence, 0.0, 1e-9);
-  EXPECT_NEAR(m.unmatched_part, 0.0, 1e-9);
+  EXPECT_NEAR(m.terms.coherence, 0.0, 1e-9);
+  EXPECT_NEAR(m.terms.unmatched_part, 0.0, 1e-9);
+}
+
+TEST(FeatureMatching, TheTermsAddUpToTheEnergy) {
+  const Subject a = make_subject(slim, left_side);
+  Subject b = make_subject(stout, left_side);
+  b.features.features.pop_back();
+  for (const GeodesicPrior prior : {GeodesicPrior::none, GeodesicPrior::printed}) {
+    const int neighbours = prior == GeodesicPrior::none ? 0 : 2;
+    const FeatureMatching m =
+        match(a, b, {.neighbours = neighbours, .reject = 1e-6, .prior = prior});
+    // The terms are those of the whole solution.
+    EXPECT_TRUE(prior == GeodesicPrior::printed || !m.rejected.empty());
+    EXPECT_GT(m.terms.geodesic, 0.0);
+    EXPECT_GE(m.terms.coherence, 0.0);
+    const double sum = m.terms.descriptor + m.terms.geodesic + m.terms.orientation + m.terms.prior +
+                       m.terms.unmatched_part + m.terms.coherence;
+    EXPECT_NEAR(4.0 * sum, m.solution.energy, 1e-9);
+  }
 }
 
 TEST(FeatureMatching, OtherProportionsAndDensity) {

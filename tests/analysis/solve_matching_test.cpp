@@ -157,6 +157,7 @@ TEST(SolveMatching, NothingToMatch) {
   EXPECT_TRUE(r.certified);
   const MatchingProblem dear{.left_count = 1, .right_count = 1, .assignments = {{0, 0, 5.0}}};
   EXPECT_EQ(solve_matching(dear).labelling[0], unmatched);
+  EXPECT_EQ(solve_matching(dear).iterations, 0);  // nothing can be better: no search
 }
 
 TEST(SolveMatching, AllAlikeIsAnswered) {
@@ -215,7 +216,7 @@ struct BadFile {
 
 TEST(DdFile, RefusesMalformedFilesByLine) {
   const BadFile files[] = {
-      {"", "line 0", "no line 'p"},
+      {"", "line 1", "no line 'p"},
       {"a 0 0 0 1\n", "line 1", "before the 'p' line"},
       {"p 1 1 1\n", "line 1", "expected 'p"},
       {"p 1 1 1 0 0\n", "line 1", "expected 'p"},
@@ -262,6 +263,10 @@ TEST(DdFile, ReadsCommentsAnyOrderAndRepeatedPairs) {
   EXPECT_EQ(p.assignments[0].cost, 0.1);
   EXPECT_EQ(p.assignments[1].right, 2U);
   EXPECT_DOUBLE_EQ(p.energy(std::vector<uint32_t>{0, 2}), 0.1 - 2.5 + 3 - 1);
+}
+
+TEST(DdFile, TheMarkOfUtf8IsSkipped) {
+  EXPECT_EQ(parse_dd("\xEF\xBB\xBFp 1 1 1 0\na 0 0 0 -1\n", "x.dd").assignments.size(), 1U);
 }
 
 TEST(DdFile, WrittenAndReadBackIsTheSame) {

@@ -1,6 +1,7 @@
 // kinemesh geodesics as a user runs it.
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -46,6 +47,22 @@ TEST_F(GeodesicsCommand, EveryMethodAndOutput) {
   EXPECT_EQ(read_mesh(builtin_mesh_formats(), place("d.ply")).positions.size(), 25U);
   EXPECT_EQ(run(place("plane.ply") + " --from 0,6 --to 24 -o " + place("d.png")), 0);
   EXPECT_TRUE(read_file(place("d.png")).starts_with("\x89PNG"));
+}
+
+TEST_F(GeodesicsCommand, TargetsOnOtherPiecesHaveNoPath) {
+  std::ofstream(place("two.off")) << "OFF\n7 2 0\n0 0 0\n1 0 0\n0 1 0\n5 5 5\n6 5 5\n5 6 5\n"
+                                     "9 9 9\n3 0 1 2\n3 3 4 5\n";
+  for (const std::string output : {"d.csv", "d.npz", "d.ply", "d.png"}) {
+    ASSERT_EQ(run(place("two.off") + " --from 0 --to 4 1 -o " + place(output) + " --json"), 0);
+    const nlohmann::json json = nlohmann::json::parse(output_);
+    EXPECT_TRUE(json["targets"][0]["distance_mm"].is_null());
+    EXPECT_EQ(json["targets"][1]["distance_mm"], 1.0);
+  }
+  EXPECT_NE(read_file(place("d.csv")).find("\n4,inf\n"), std::string::npos);
+  EXPECT_TRUE(read_file(place("d_path.csv")).starts_with("path,x,y,z,face,b0,b1,b2\n1,0,0,0,"));
+  EXPECT_EQ(npz_array(read_npz(place("d.npz")), "path_starts").size(), 2U);
+  EXPECT_EQ(run(place("two.off") + " --from 6 -o " + place("d.csv")), 2);  // in no face
+  EXPECT_NE(errors_.find("7 vertices and 2 faces"), std::string::npos) << errors_;
 }
 
 TEST_F(GeodesicsCommand, MistakesHaveTheirExitCodeAndLeaveNothing) {

@@ -40,6 +40,7 @@ TEST_F(MatchCommand, MatchesPictureAndTerms) {
   EXPECT_EQ(json, nlohmann::json::parse(output_));
   ASSERT_EQ(json["matches"].size(), 6U);
   for (const auto& m : json["matches"]) EXPECT_EQ(m["source"], m["target"]);
+  EXPECT_TRUE(json["certified"].get<bool>());  // though the energy is nought
   EXPECT_TRUE(read_file(place("m.png")).starts_with("\x89PNG"));
   // The animations that the features name, and the other format.
   ASSERT_EQ(run(files + " -o " + place("m.csv")), 0);
@@ -53,6 +54,9 @@ TEST_F(MatchCommand, MistakesHaveTheirExitCode) {
   EXPECT_EQ(run(place("a.ply") + " " + place("a.json") + meshes + " -o " + place("m.json")), 3);
   EXPECT_EQ(run(place("a.json") + " " + place("a.json") + meshes + " -o " + place("m.txt")), 2);
   EXPECT_EQ(run(place("a.json") + " " + place("a.json")), 2);
+  EXPECT_EQ(run(place("a.json") + " " + place("a.json") + meshes + " -o " + place("m.json") +
+                " --picture " + place("m.bmp")),
+            2);
 }
 
 }  // namespace
