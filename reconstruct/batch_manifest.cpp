@@ -126,9 +126,14 @@ Listing listing_of_csv(const fs::path& file, const std::string& text) {
   const TableText table(text, file.string());
   Listing listing;
   std::vector<std::string> columns;
+  char separator = ',';
   for (std::size_t i = 0; i < table.size(); ++i) {
     if (trim(table[i]).empty() || trim(table[i]).front() == '#') continue;
-    const std::vector<std::string> cells = split_cells(table[i], ',');
+    if (columns.empty() && table[i].find(',') == std::string_view::npos &&
+        table[i].find(';') != std::string_view::npos) {
+      separator = ';';  // as spreadsheets write where the comma is the decimal sign
+    }
+    const std::vector<std::string> cells = split_cells(table[i], separator);
     if (columns.empty()) {
       columns = cells;
       const std::vector<std::string> known{"session", "output", "topology"};

@@ -6,6 +6,7 @@
 
 #include "capture/clean.h"
 #include "capture/edit_list.h"
+#include "config/changed_parameters.h"
 #include "config/error.h"
 #include "config/input_file.h"
 #include "config/output_file.h"
@@ -141,9 +142,13 @@ class Writer {
 
   void add_report(const RunContext& ctx) {
     list(beside(stem_, "_report.html"));
-    const ConvertReport report = convert_report(
-        result_.session, result_.conversion,
-        {.title = title_, .outputs = shown().outputs, .up = direction_of(options_.sheet.up)}, ctx);
+    const ConvertReport report = convert_report(result_.session, result_.conversion,
+                                                {.title = title_,
+                                                 .outputs = shown().outputs,
+                                                 .mesh_max_error_mm = result_.written.max_error_mm,
+                                                 .mesh_rms_error_mm = result_.written.rms_error_mm,
+                                                 .up = direction_of(options_.sheet.up)},
+                                                ctx);
     result_.report_error_mm = report.max_error_mm;
     files_.add(beside(stem_, "_report.html"), report.html);
     ctx.check_cancelled();
@@ -196,15 +201,14 @@ std::string default_output(const std::string& session, const std::string& extens
 }
 
 void refuse_session_options(const ConvertFilesOptions& options, const std::string& mesh) {
-  ConvertOptions given = options.convert, standard;
-  ParameterSet given_set, standard_set;
-  given.declare(given_set);
-  standard.declare(standard_set);
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < given_set.parameters().size(); ++i) {
-    const Parameter& p = given_set.parameters()[i];
-    if (p.get() != standard_set.parameters()[i].get()) names.push_back("--" + p.name());
-  }
+  const ConvertFilesOptions standard;
+  ConvertFilesOptions given = options;
+  given.writing = standard.writing;
+  given.reading.c3d.unstated = standard.reading.c3d.unstated;
+  given.anonymous = standard.anonymous;
+  given.pictures = standard.pictures;  // there are none in any case
+  given.report = standard.report;
+  const std::vector<std::string> names = changed_parameters(given);
   if (names.empty()) return;
   throw UsageError({.what = mesh + " is a mesh: " + join(names, ", ", " and ") +
                             (names.size() > 1 ? " are" : " is") + " for sessions",

@@ -268,7 +268,7 @@ void add_quality(HtmlPage& page, const ConvertResult& result) {
                              [](const FrameQuality& q) { return static_cast<double>(q.filled); })};
   section.add(Paragraph{
       "A sudden peak in the edge lengths is a marker that jumped or was swapped with its "
-      "neighbour; "
+      "neighbour; RMS is that of the relative changes of all edges; "
       "a flipped triangle is turned against the surface around it. The values of every frame are "
       "in the CSV file beside this report."});
   section.add(Figure{canvas_of(stretch, 1000.0, 260.0), stretch.title, "", 640.0});
@@ -350,6 +350,13 @@ void add_origin(HtmlPage& page, const ConvertResult& result,
   if (!outputs.empty()) section.add(CodeBlock{"Files written", join(outputs, "\n") + "\n", true});
 }
 
+std::string exactness_text(const ConvertReportOptions& options) {
+  if (options.mesh_max_error_mm <= 0.0) return "The exported mesh keeps every position.";
+  return "The exported mesh is approximate: its error is at most " +
+         format_fixed(options.mesh_max_error_mm, 4) + " mm, RMS " +
+         format_fixed(options.mesh_rms_error_mm, 4) + " mm.";
+}
+
 std::string page_of(const MarkerSequence& session, const ConvertResult& result,
                     const ConvertReportOptions& options, const MeshViewer& viewer) {
   const std::vector<std::string> doubts = doubts_of(result);
@@ -361,6 +368,7 @@ std::string page_of(const MarkerSequence& session, const ConvertResult& result,
       .add(figures_of(result, doubts.size()));
   page.add_section("Animated mesh")
       .add(viewer)
+      .add(Paragraph{exactness_text(options), true})
       .add(Paragraph{"Movement is how far a vertex moves about its mean place (RMS over the take), "
                      "the motion of the whole head taken out.",
                      true});

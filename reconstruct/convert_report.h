@@ -12,8 +12,10 @@
 namespace kinemesh {
 
 struct ConvertReportOptions {
-  std::string title{};                  ///< "anna_happy.c3d"
-  std::vector<std::string> outputs{};   ///< the files beside it, to be listed
+  std::string title{};                 ///< "anna_happy.c3d"
+  std::vector<std::string> outputs{};  ///< the files beside it, to be listed
+  double mesh_max_error_mm = 0.0;      ///< of the files beside it; 0 when they keep every float
+  double mesh_rms_error_mm = 0.0;
   std::optional<Eigen::Vector3f> up{};  ///< axis that points up; otherwise estimated
   std::size_t max_bytes = 3000000;      ///< of the page; the animation is compressed to fit
   std::size_t longest_list = 60;        ///< warnings, fills and markers beyond are counted

@@ -187,8 +187,9 @@ void doubt_missing(const ConvertResult& result, std::vector<std::string>& doubts
 
 std::string frames_text(const ConvertResult& result, const FrameRange& frames) {
   const int64_t first = result.animation.first_frame;
-  return "frames " + std::to_string(first + static_cast<int64_t>(frames.begin)) + " to " +
-         std::to_string(first + static_cast<int64_t>(frames.end) - 1);
+  const std::string begin = std::to_string(first + static_cast<int64_t>(frames.begin));
+  if (frames.end - frames.begin == 1) return "frame " + begin;
+  return "frames " + begin + " to " + std::to_string(first + static_cast<int64_t>(frames.end) - 1);
 }
 
 /// Stretches in which nothing at all was measured.

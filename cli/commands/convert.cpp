@@ -8,6 +8,7 @@
 #include "config/output_file.h"
 #include "config/text.h"
 #include "config/version.h"
+#include "mesh/formats/assumptions.h"
 #include "mesh/formats/mesh_io.h"
 #include "reconstruct/anonymous.h"
 #include "reconstruct/convert_files.h"
@@ -22,12 +23,15 @@ struct State {
 };
 
 std::string written_text(const WrittenMesh& written) {
-  std::vector<std::string> files = written.outputs;  // of a long sequence the first and the last
-  if (files.size() > 12) files = {files.front(), files.back()};
+  std::vector<std::string> files = written.outputs;  // of the mesh's files the first and the last
+  if (written.mesh_files.size() > 2) {
+    files.insert(files.begin() + 1, "… " + std::to_string(written.mesh_files.size()) + " files …");
+  }
   std::string text = "written     " + join(files, "\n            ");
   if (!written.lost.empty()) {
     text += "\nnot kept    " + join(written.lost, ", ", " and ") + ": " + written.format +
-            " has no place for that ('kinemesh formats' lists which have)";
+            " has no place for " + (written.lost.size() == 1 ? "that" : "these") +
+            " ('kinemesh formats' lists which have)";
   }
   return text;
 }
@@ -55,6 +59,10 @@ ExitCode convert_mesh(const FormatRegistry& formats, const State& state, Termina
   refuse_session_options(state.options, job.session);
   AnimationFile in = read_animation_file(formats, job.session, state.options.reading.c3d.unstated,
                                          terminal.run.part(0.0, 0.5, "reading"));
+  for (const std::string& text :
+       assumptions_of(in, job.session, state.options.reading.c3d.unstated)) {
+    terminal.run.warn(text);
+  }
   if (state.options.anonymous) anonymise_mesh(in.mesh);
   in.files.emplace_back(job.session);  // x.ply, when x.pc2 beside it is what was resolved
   OutputSet pending;
@@ -62,7 +70,11 @@ ExitCode convert_mesh(const FormatRegistry& formats, const State& state, Termina
                                         pending, terminal.run.part(0.5, 1.0, "writing"));
   refuse_to_replace(in.files, pending.paths());
   pending.commit();
-  const WrittenMesh written{.outputs = {out.files.begin(), out.files.end()},
+  std::vector<std::string> files{out.files.begin(), out.files.end()};
+  const std::vector<std::string> ends =
+      files.size() > 2 ? std::vector{files.front(), files.back()} : files;
+  const WrittenMesh written{.outputs = ends,
+                            .mesh_files = std::move(files),
                             .format = out.format,
                             .lost = out.report.lost,
                             .max_error_mm = out.report.max_error_mm,
@@ -74,7 +86,7 @@ ExitCode convert_mesh(const FormatRegistry& formats, const State& state, Termina
         {"vertices", in.mesh.vertex_count()},
         {"frames", in.mesh.frame_count()},
         {"format", out.format},
-        {"outputs", written.outputs},
+        {"outputs", written.mesh_files},
         {"max_error_mm", written.max_error_mm},
         {"rms_error_mm", written.rms_error_mm},
         {"not_kept",

@@ -38,11 +38,17 @@ bool same_polygons(const MeshData& first, const MeshData& other) {
   return outline.empty();
 }
 
+}  // namespace
+
+bool same_faces(const MeshData& first, const MeshData& other) {
+  return other.vertex_count == first.vertex_count &&
+         (other.faces == first.faces || same_polygons(first, other));
+}
+
+namespace {
+
 void require_same_topology(const MeshData& first, const MeshData& other, const std::string& name) {
-  if (other.vertex_count == first.vertex_count && other.frame_count == 1 &&
-      (other.faces == first.faces || same_polygons(first, other))) {
-    return;
-  }
+  if (other.frame_count == 1 && same_faces(first, other)) return;
   const bool counts = other.vertex_count != first.vertex_count;
   throw InputError({.what = counts
                                 ? "it has " + count_of(other.vertex_count, "vertex", "vertices") +
@@ -54,8 +60,8 @@ void require_same_topology(const MeshData& first, const MeshData& other, const s
 
 /// Puts frame 0 of `from`, in the unit of `from`, at frame `f` of `into`.
 void place_frame(const MeshData& from, MeshData& into, std::size_t f) {
-  const double factor = millimetres_per(from.unit.value_or(LengthUnit::mm)) /
-                        millimetres_per(into.unit.value_or(LengthUnit::mm));
+  const double factor =  // a file that does not say its unit has that of the first
+      from.unit && into.unit ? millimetres_per(*from.unit) / millimetres_per(*into.unit) : 1.0;
   const auto copy = [factor](const Buffer<float>& source, float* target) {
     if (factor == 1.0) {
       std::copy_n(source.data(), source.size(), target);
@@ -91,6 +97,8 @@ MeshData join_frames(std::size_t count, const std::function<MeshData(std::size_t
   all.vertex_names = std::move(first.vertex_names);
   all.provenance = std::move(first.provenance);
   all.polygons = first.polygons;
+  all.dropped_faces = first.dropped_faces;
+  all.warnings = std::move(first.warnings);
   place_frame(first, all, 0);
   parallel_for(ctx, count - 1, 4, [&](std::size_t i) {
     const MeshData frame = load(i + 1);

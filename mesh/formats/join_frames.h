@@ -10,6 +10,9 @@
 
 namespace kinemesh {
 
+/// True when the faces are the same but for how polygons are cut, which depends on the positions.
+bool same_faces(const MeshData& first, const MeshData& other);
+
 /// All frames in one MeshData, in the unit of the first, from which everything that is said once
 /// is taken too. `load(i)` is called in parallel; `name(i)` is for errors. Throws InputError when
 /// a frame's topology differs from the first one's.

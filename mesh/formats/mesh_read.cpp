@@ -141,11 +141,18 @@ MeshSequence read_mesh_sequence(const FormatRegistry& formats, const fs::path& p
     return sequence;
   }
   std::shared_ptr<const Topology> previous;
+  MeshData first;  // its faces alone
   for (const NumberedFile& file : input.files) {
     ctx.check_cancelled();
     MeshData data = load(*input.format, file.path, options, ctx);
-    if (sequence.frames.empty())
+    if (sequence.frames.empty()) {
       sequence.rate_hz = data.rate_hz > 0 ? data.rate_hz : options.rate_hz;
+      first.vertex_count = data.vertex_count;
+      first.faces = data.faces;
+      first.polygons = data.polygons;
+    } else if (same_faces(first, data)) {
+      data.faces = first.faces;  // polygons are cut as in the first file
+    }
     sequence.frames.push_back(naming(file.path, [&] {
       return to_mesh(std::move(data), options, file.path.string(), previous, ctx);
     }));

@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 
+#include "config/changed_parameters.h"
 #include "config/error.h"
 #include "config/parallel.h"
 #include "config/text.h"
@@ -199,9 +200,9 @@ void note_older_files(const fs::path& pattern, WriteResult& result) {
   const auto older = std::ranges::count_if(
       present, [&written](const NumberedFile& file) { return !written.contains(file.path); });
   if (older == 0) return;
-  result.report.notes.push_back(count_of(static_cast<std::size_t>(older), "older file") +
-                                " matching " + any.string() +
-                                " remain beside the new ones and will be read with them");
+  result.report.notes.push_back(
+      count_of(static_cast<std::size_t>(older), "older file") + " matching " + any.string() +
+      (older == 1 ? " remains" : " remain") + " beside the new ones and will be read with them");
 }
 
 /// An older point cache beside a new mesh file would be read as its motion.
@@ -215,6 +216,18 @@ void note_older_caches(const FormatRegistry& formats, WriteResult& result) {
                                     "mesh or other frames");
     }
   }
+}
+
+/// Options that say something about glTF alone have no effect on other formats.
+void note_unused_options(const Format& format, const WriteOptions& options, WriteResult& result) {
+  if (format.name == "glb" || format.name == "gltf") return;
+  GltfOptions given = options.gltf;
+  given.up = GltfUp::automatic;  // a session may set it
+  const std::vector<std::string> unused = changed_parameters(given);
+  if (unused.empty()) return;
+  result.report.notes.push_back(join(unused, ", ", " and ") +
+                                (unused.size() == 1 ? " is" : " are") +
+                                " for glTF: without effect on " + format.name);
 }
 
 }  // namespace
@@ -276,6 +289,7 @@ WriteResult add_animation(const FormatRegistry& formats, const AnimatedMesh& mes
   const std::vector<fs::path> all = files.paths();
   result.files.assign(all.begin() + static_cast<std::ptrdiff_t>(before), all.end());
   result.report.lost = format.keeps.lost_of(Keeps::content_of(source));
+  note_unused_options(format, options, result);
   if (dropped > 0) {
     result.report.notes.push_back(count_of(dropped, "event") +
                                   " outside the frames written left out");

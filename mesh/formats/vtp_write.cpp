@@ -189,9 +189,10 @@ MeshData read_pvd(const fs::path& path, const ReadOptions&, const RunContext& ct
       },
       [&](std::size_t i) { return file(i).string(); }, ctx);
   const double span = entries.back().timestep - entries.front().timestep;
-  if (!(data.rate_hz > 0) && span > 0) {
-    data.rate_hz = static_cast<double>(entries.size() - 1) / span;
-  }
+  const auto steps = static_cast<double>(entries.size() - 1);
+  // Timesteps 0, 1, 2, … number the files of a series without times, ours too.
+  const bool numbered = entries.front().timestep == 0.0 && span == steps;
+  if (!(data.rate_hz > 0) && span > 0 && !numbered) data.rate_hz = steps / span;
   return data;
 }
 

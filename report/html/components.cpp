@@ -79,7 +79,8 @@ std::string Table::render(HtmlContext& /*context*/) const {
 std::string Figure::render(HtmlContext& context) const {
   const std::string id = context.next_id("chart");
   const std::string drawing =
-      "<div style=\"min-width:" + std::to_string(static_cast<int>(least_width)) + "px\">\n" +
+      "<div class=\"drawing\" style=\"--least:" + std::to_string(static_cast<int>(least_width)) +
+      "px;--phone:" + std::to_string(static_cast<int>(canvas.width())) + "px\">\n" +
       canvas.svg({.title = title}, id) + "</div>\n";
   std::string out = "<figure>\n" + scrollable(title, drawing);
   if (!caption.empty()) out += element("figcaption", caption) + "\n";

@@ -196,7 +196,7 @@ MeshViewer::MeshViewer(const AnimatedMesh& animation, MeshViewerOptions options,
       (code_.key_step > 1 ? ", one key every " + format_fixed(code_.key_step, 1) + " frames"
                           : std::string(", every frame")) +
       "; the error is at most " + format_fixed(code_.max_error_mm, 3) + " mm, RMS " +
-      format_fixed(code_.rms_error_mm, 3) + " mm. The exported files are exact.";
+      format_fixed(code_.rms_error_mm, 3) + " mm.";
 }
 
 std::string MeshViewer::statement() const { return statement_; }

@@ -284,13 +284,21 @@ TEST(Convert, AMeshIsNeverReplacedByItsOwnConversion) {
   const std::string before = read_file(folder.path() / "a.ply");
   const auto replacing = run("a.ply", "a.mdd", {"--output-unit", "m", "--frames", "1:2"});
   EXPECT_EQ(replacing.exit_code, 2) << replacing.err;
+  EXPECT_EQ(run("a.ply", "a.ply", {"--frames", "2"}).exit_code, 2);
   EXPECT_EQ(read_file(folder.path() / "a.ply"), before);
   EXPECT_FALSE(fs::exists(folder.path() / "a.mdd"));
   // What a mesh cannot be asked for is said, not passed over.
   const auto asked = run("a.ply", "b.glb", {"--stabilise", "--include", "A"});
   EXPECT_EQ(asked.exit_code, 2);
   EXPECT_NE(asked.err.find("--include"), std::string::npos) << asked.err;
-  EXPECT_EQ(run("a.ply", "b.glb", {"--anonymous"}).exit_code, 0);
+  for (const char* option : {"--picture-frames=3", "--up-axis=x", "--reader=ezc3d"}) {
+    EXPECT_EQ(run("a.ply", "b.glb", {option}).exit_code, 2) << option;
+  }
+  EXPECT_EQ(run("a.ply", "b.glb", {"--anonymous", "--no-report"}).exit_code, 0);
+  const auto assumed = run("s_#.obj", "c.glb");
+  EXPECT_NE(assumed.err.find("does not say its unit: taken as mm"), std::string::npos);
+  EXPECT_EQ(run("s_#.obj", "c.glb", {"--unit", "m", "--rate", "50"}).err.find("does not say"),
+            std::string::npos);
 }
 
 TEST(Convert, UnreachableInputIsNoInternalError) {

@@ -5,6 +5,7 @@
 
 #include "config/error.h"
 #include "config/output_file.h"
+#include "mesh/formats/assumptions.h"
 #include "mesh/formats/float_times.h"
 #include "mesh/formats/mesh_io.h"
 #include "tests/support/random_animation.h"
@@ -95,8 +96,66 @@ TEST(Polygons, AreOneTopologyHoweverEachFrameCutsThem) {
   const AnimatedMesh mesh = read_animation(formats, folder.path() / "q_#.obj");
   EXPECT_EQ(mesh.frame_count(), 2U);
   EXPECT_EQ(mesh.topology().faces(), (std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}, {1, 4, 2}}));
+  const MeshSequence frames = read_mesh_sequence(formats, folder.path() / "q_#.obj");
+  EXPECT_EQ(frames.frames[0].topology, frames.frames[1].topology);
   frame("q_2.obj", "1 2", "f 1 2 3 4\nf 1 5 3\n");
   EXPECT_THROW(read_animation(formats, folder.path() / "q_#.obj"), InputError);
+}
+
+TEST(Rates, OfAPvdThatOnlyNumbersItsFilesIsNotKnown) {
+  const FormatRegistry formats = builtin_mesh_formats();
+  const TemporaryFolder folder;
+  AnimatedMesh mesh = random_animation(3, 3, 4);
+  mesh.events.clear();
+  mesh.rate_hz = 0;
+  write_animation(formats, mesh, folder.path() / "a.pvd");
+  EXPECT_EQ(read_animation(formats, folder.path() / "a.pvd").rate_hz, 0.0);
+  EXPECT_EQ(read_animation(formats, folder.path() / "a.pvd", {.rate_hz = 50}).rate_hz, 50.0);
+  mesh.rate_hz = 1;  // a rate that looks like numbering is stated beside it
+  write_animation(formats, mesh, folder.path() / "a.pvd");
+  EXPECT_EQ(read_animation(formats, folder.path() / "a.pvd").rate_hz, 1.0);
+}
+
+TEST(Units, AFileOfASequenceThatDoesNotSayItsUnitHasThatOfTheFirst) {
+  const FormatRegistry formats = builtin_mesh_formats();
+  const TemporaryFolder folder;
+  write_file(folder.path() / "a_1.obj", "# kinemesh unit \"cm\"\nv 1 2 3\n");
+  write_file(folder.path() / "a_2.obj", "v 4 5 6\n");
+  const AnimatedMesh mesh = read_animation(formats, folder.path() / "a_#.obj");
+  EXPECT_EQ(mesh.position(0, 0), Eigen::Vector3f(10, 20, 30));
+  EXPECT_EQ(mesh.position(1, 0), Eigen::Vector3f(40, 50, 60));
+}
+
+TEST(Assumptions, AreSaidWhereTheFileSaysNothingOrSomethingElse) {
+  AnimationFile file{.mesh = random_animation(3, 3, 4)};
+  file.mesh.rate_hz = 0;
+  EXPECT_EQ(assumptions_of(file, "a.obj", {}),
+            (std::vector<std::string>{
+                "a.obj does not say its unit: taken as mm (--unit says otherwise)",
+                "a.obj does not say its frame rate: left unknown (--rate gives one)"}));
+  file.mesh.rate_hz = 120;
+  EXPECT_TRUE(assumptions_of(file, "a.obj", {.unit = LengthUnit::m, .rate_hz = 120}).empty());
+  file.unit = LengthUnit::mm;
+  EXPECT_EQ(
+      assumptions_of(file, "a.obj", {.unit = LengthUnit::m, .rate_hz = 50}),
+      (std::vector<std::string>{"a.obj says that its unit is mm: --unit m is not used",
+                                "a.obj says that its rate is 120 Hz: --rate 50 is not used"}));
+}
+
+TEST(Options, OfGltfWithoutEffectAreSaid) {
+  const FormatRegistry formats = builtin_mesh_formats();
+  const TemporaryFolder folder;
+  AnimatedMesh mesh = random_animation(3, 3, 4);
+  mesh.events.clear();
+  WriteOptions options;
+  options.gltf.colour = VertexColour::deformation;
+  options.gltf.up = GltfUp::y;  // that of a session
+  EXPECT_EQ(write_animation(formats, mesh, folder.path() / "a.ply", options).report.notes,
+            std::vector<std::string>{"--colour is for glTF: without effect on ply+pc2"});
+  for (const std::string& note :
+       write_animation(formats, mesh, folder.path() / "a.glb", options).report.notes) {
+    EXPECT_EQ(note.find("without effect"), std::string::npos);
+  }
 }
 
 }  // namespace

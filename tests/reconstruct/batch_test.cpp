@@ -43,6 +43,10 @@ TEST(BatchManifest, TomlAndCsvSayTheSame) {
                                         "# two takes\r\nsession,output,topology\r\n"
                                         "a/s.c3d,s.glb,h.glb\r\n\r\na/h.c3d\r\n",
                                         {.folder = folder.path() / "out", .extension = ".glb"});
+  const BatchManifest spreadsheet =
+      manifest_of(folder, "sheet.csv", "session;output\r\na/h.c3d;\"b, c.glb\"\r\n");
+  EXPECT_EQ(spreadsheet.sessions.at(0).session, folder.path() / "a/h.c3d");
+  EXPECT_EQ(spreadsheet.sessions.at(0).output.filename(), "b, c.glb");
   ASSERT_EQ(toml.sessions.size(), 2U);
   ASSERT_EQ(csv.sessions.size(), 2U);
   for (std::size_t i = 0; i < 2; ++i) {

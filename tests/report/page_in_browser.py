@@ -116,6 +116,14 @@ def check_layout(browser, pictures):
     least = browser.run("Math.min(...[...document.querySelectorAll('p, li, td, dd, button, figcaption')]"
                         ".map((e) => parseFloat(getComputedStyle(e).fontSize)))")
     check(least >= 12, f"at 380 px no text is smaller than 12 px ({least} px)")
+    chart = browser.run("Math.min(...[...document.querySelectorAll('svg text')].map((e) => {"
+                        "const svg = e.ownerSVGElement; return parseFloat(getComputedStyle(e).fontSize) *"
+                        "svg.getBoundingClientRect().width / svg.viewBox.baseVal.width; }))")
+    check(chart >= 10, f"at 380 px no text of a chart is smaller than 10 px ({chart:.1f} px)")
+    covered = browser.run("[...document.querySelectorAll('.code')].filter((e) => "
+                          "e.querySelector('.copy').getBoundingClientRect().bottom > "
+                          "e.querySelector('pre').getBoundingClientRect().top).length")
+    check(covered == 0, f"at 380 px no button covers text ({covered})")
     if pictures:
         browser.screenshot(os.path.join(pictures, "page_380.png"), whole=True)
     browser.resize(1200, 900)
