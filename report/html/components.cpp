@@ -68,7 +68,9 @@ std::string Table::render(HtmlContext& /*context*/) const {
     body += "<tr>";
     for (std::size_t c = 0; c < columns.size(); ++c) {
       const std::string_view cell = c < row.size() ? std::string_view(row[c]) : "";
-      body += element("td", cell, columns[c].number ? " class=\"number\"" : "");
+      const bool fits = cell.size() <= 24;  // is not broken where paper is narrow
+      body += element("td", cell,
+                      columns[c].number ? " class=\"number\"" : (fits ? " class=\"short\"" : ""));
     }
     body += "</tr>\n";
   }
