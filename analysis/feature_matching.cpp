@@ -163,6 +163,7 @@ FeatureMatching match_features(const FeaturePlaces& source, const FeaturePlaces&
   if (source.places.empty() || target.places.empty()) {
     result.empty_reason =
         source.places.empty() ? "the source has no features" : "the target has no features";
+    result.solution.certified = true;  // there is nothing else
     name_features(source, target, result);
     return result;
   }

@@ -18,7 +18,7 @@ constexpr double rough_part = 0.1, own_error = 0.02;  // standard deviations of 
 constexpr double affine_part = 1.0;
 constexpr double offset_weight = 0.75;  // the offset's scatter over that of the distances' change
 constexpr std::size_t map_neighbours = 32, least_matches = 4;
-constexpr std::size_t many_matches = 64;  // from here on, some are taken back at once
+constexpr std::size_t many_matches = 64;  // of what is beyond, an eighth is taken back at once
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0.0;
@@ -169,7 +169,8 @@ void take_back_misfits(const FeatureEnergy& energy, double limit,
                        std::vector<FeatureMatch>& matches, std::vector<FeatureMatch>& rejected) {
   while (limit > 0.0 && matches.size() >= least_matches) {
     fill_misfits(energy, matches);
-    for (std::size_t left = 1 + matches.size() / many_matches; left > 0; --left) {
+    const std::size_t beyond = matches.size() - std::min(matches.size(), many_matches);
+    for (std::size_t left = 1 + beyond / 8; left > 0; --left) {
       const auto worst = std::ranges::max_element(matches, {}, &FeatureMatch::misfit);
       if (worst->misfit <= limit) return;
       rejected.push_back(*worst);

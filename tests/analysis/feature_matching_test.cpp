@@ -183,6 +183,7 @@ TEST(FeatureMatching, FewOrNoFeaturesAreAnswered) {
   one.features.features.resize(1);
   EXPECT_FALSE(match(none, a).empty_reason.empty());
   EXPECT_FALSE(match(a, none).empty_reason.empty());
+  EXPECT_TRUE(match(a, none).solution.certified);
   EXPECT_EQ(match(a, none).unmatched_source.size(), left_side.size());
   expect_identity(match(one, one), 1);
 }
