@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "analysis/graph_matching/search_state.h"
+#include "config/text.h"
 
 namespace kinemesh {
 
@@ -33,7 +34,8 @@ void MatchingOptions::declare(ParameterSet& p) {
 namespace graph_matching {
 namespace {
 
-constexpr double tiny_gap = 1e-12;  // energies that differ by less are the same
+constexpr double tiny_gap = 1e-12;      // energies that differ by less are the same
+constexpr double worth_saying = 200e6;  // bytes
 
 }  // namespace
 
@@ -92,11 +94,33 @@ void SearchState::improve(uint64_t work) {
 
 }  // namespace graph_matching
 
+namespace {
+
+/// Says before the work how much memory it may take, when that is much.
+void say_memory(const MatchingProblem& problem, const MatchingOptions& options,
+                const RunContext& ctx) {
+  using graph_matching::PairTable;
+  const double size = static_cast<double>(problem.assignments.size());
+  const double elements = size + problem.left_count + problem.right_count;
+  const bool dense = problem.assignments.size() <= PairTable::dense_assignments;
+  const double table = 2.0 * sizeof(PairTable::Entry) * static_cast<double>(problem.pairs.size()) +
+                       (dense ? sizeof(double) * size * size : 0.0);
+  const double bound = std::min(16.0 * elements * elements, 1e6 * options.memory_mb);
+  if (table + bound < graph_matching::worth_saying) return;
+  ctx.info("matching " + std::to_string(problem.assignments.size()) + " assignments and " +
+           std::to_string(problem.pairs.size()) + " pairs: about " + format_fixed(1e-6 * table, 0) +
+           " MB for their costs and at most " + format_fixed(1e-6 * bound, 0) +
+           " MB for the bound (--bound-memory)");
+}
+
+}  // namespace
+
 MatchingResult solve_matching(const MatchingProblem& problem, const MatchingOptions& options,
                               const RunContext& ctx) {
   const auto begin = graph_matching::Clock::now();
   options.validate();
   problem.validate();
+  say_memory(problem, options, ctx);
   graph_matching::SearchState state(problem, options, ctx, begin);
   MatchingResult result;
   const double bound = options.method == MatchingMethod::subgradient

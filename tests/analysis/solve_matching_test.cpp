@@ -113,6 +113,21 @@ TEST(SolveMatching, LittleMemoryGivesAWeakerBoundNotAWrongOne) {
   EXPECT_LE(none.bound, test::exhaustive_optimum(small) + 1e-9);
 }
 
+TEST(SolveMatching, MuchMemoryIsSaidBeforehand) {
+  std::string said;
+  RunContext ctx;
+  ctx.set_log([&](LogLevel, std::string_view text) { said += text; });
+  MatchingProblem p{.left_count = 60, .right_count = 60};
+  for (uint32_t k = 0; k < 3600; ++k) p.assignments.push_back({k / 60, k % 60, 1.0});
+  solve_matching(p, {.time_limit_s = 0.01}, ctx);
+  EXPECT_NE(said.find("3600 assignments and 0 pairs: about 104 MB"), std::string::npos) << said;
+  EXPECT_NE(said.find("at most 221 MB for the bound (--bound-memory)"), std::string::npos) << said;
+  said.clear();
+  p.assignments.resize(1200);
+  solve_matching(p, {.time_limit_s = 0.01}, ctx);
+  EXPECT_TRUE(said.empty()) << said;
+}
+
 TEST(SolveMatching, TheBoundOverNeighboursAloneHolds) {
   // 8 × 8 in 1 MB: stars reach over left nodes that share pairs, without column slacks.
   for (const uint64_t seed : {1, 2, 3}) {
