@@ -7,6 +7,7 @@
 #include "cli/commands/commands.h"
 #include "config/text.h"
 #include "mesh/formats/mesh_io.h"
+#include "mesh/formats/sequence.h"
 #include "mesh/mesh_info.h"
 
 namespace kinemesh::cli {
@@ -159,9 +160,7 @@ void print_sequence(const MeshSequence& sequence, Terminal& terminal) {
 ExitCode show(const std::string& path, const ReadOptions& options, Terminal& terminal) {
   const FormatRegistry registry = all_formats();
   std::error_code ignored;
-  const bool numbered =
-      std::filesystem::is_directory(path, ignored) || path.find('#') != std::string::npos;
-  if (numbered) {
+  if (std::filesystem::is_directory(path, ignored) || is_number_pattern(path)) {
     const MeshSequence sequence = read_mesh_sequence(registry, path, options, terminal.run);
     const auto differs = [&](const Mesh& m) { return m.topology != sequence.frames[0].topology; };
     if (std::ranges::any_of(sequence.frames, differs)) {
