@@ -90,8 +90,8 @@ Aligned align_matches(const FeatureEnergy& energy, const std::vector<FeatureMatc
   }
   const Eigen::Matrix4d similarity = Eigen::umeyama(result.source, result.target);
   if (similarity.allFinite()) {
-    result.source = (similarity.topLeftCorner<3, 3>() * result.source).colwise() +
-                    similarity.topRightCorner<3, 1>();
+    const Eigen::Matrix3Xd turned = similarity.topLeftCorner<3, 3>() * result.source;
+    result.source = turned.colwise() + Eigen::Vector3d(similarity.topRightCorner<3, 1>());
   }
   return result;
 }

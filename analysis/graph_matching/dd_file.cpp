@@ -20,6 +20,8 @@ std::string quoted(std::string_view word) {
   return "'" + text + (word.size() > 40 ? "…'" : "'");
 }
 
+bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+
 class Parser {
  public:
   Parser(std::string_view text, const std::string& file) : text_(text), file_(file) {
@@ -54,18 +56,19 @@ class Parser {
   bool next_line() {
     if (position_ >= text_.size()) return false;
     const std::size_t end = std::min(text_.find('\n', position_), text_.size());
-    std::string_view line = text_.substr(position_, end - position_);
+    const std::string_view line = text_.substr(position_, end - position_);
     position_ = end + 1;
     ++line_number_;
     word_count_ = 0;
+    std::size_t at = 0;
     while (true) {
-      const std::size_t begin = line.find_first_not_of(" \t\r");
-      if (begin == std::string_view::npos) return true;
-      const std::size_t length = std::min(line.find_first_of(" \t\r", begin), line.size()) - begin;
-      if (word_count_ < words_.size()) words_[word_count_] = line.substr(begin, length);
+      while (at < line.size() && is_space(line[at])) ++at;
+      if (at == line.size()) return true;
+      const std::size_t begin = at;
+      while (at < line.size() && !is_space(line[at])) ++at;
+      if (word_count_ < words_.size()) words_[word_count_] = line.substr(begin, at - begin);
       ++word_count_;
       if (words_[0] == "c") return true;  // a comment may be long
-      line.remove_prefix(begin + length);
     }
   }
 
