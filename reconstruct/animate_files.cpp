@@ -4,11 +4,11 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "config/input_file.h"
 #include "config/output_file.h"
 #include "config/text.h"
 #include "mesh/formats/mesh_io.h"
 #include "reconstruct/marker_places.h"
+#include "reconstruct/output_names.h"
 #include "report/error_view.h"
 #include "report/gap_chart.h"
 #include "report/image.h"
@@ -17,12 +17,6 @@ namespace kinemesh {
 namespace {
 
 namespace fs = std::filesystem;
-
-fs::path beside(const fs::path& output, const std::string& suffix) {
-  std::string stem = output.stem().string();
-  while (!stem.empty() && (stem.back() == '#' || stem.back() == '_')) stem.pop_back();
-  return output.parent_path() / ((stem.empty() ? "mesh" : stem) + suffix);
-}
 
 std::string summary_of(const AnimateJob& job, const AnimateResult& r,
                        const std::vector<std::string>& outputs) {
@@ -85,16 +79,6 @@ Canvas attachment_picture(const AnimateJob& job, const AnimateResult& r, const R
                          ctx);
 }
 
-Provenance provenance_of(const AnimateJob& job) {
-  Provenance p{job.program, job.command, job.options_toml, {}, {}};
-  for (const std::string& path : {job.scan, job.session, job.places}) {
-    std::error_code ignored;
-    if (!path.empty() && fs::is_regular_file(path, ignored))
-      p.inputs.push_back({path, sha256_of_file(path)});
-  }
-  return p;
-}
-
 }  // namespace
 
 void AnimateFilesOptions::declare(ParameterSet& p) {
@@ -114,6 +98,8 @@ void AnimateFilesOptions::validate() const {
 AnimateFilesResult animate_files(const FormatRegistry& formats, const AnimateJob& job,
                                  const AnimateFilesOptions& options, const RunContext& ctx) {
   options.validate();
+  const std::vector<fs::path> inputs{job.scan, job.session, job.places};
+  refuse_to_replace(inputs, {job.output});
   const RunContext reading = ctx.part(0.0, 0.1, "reading");
   const Mesh scan = read_mesh(formats, job.scan, options.reading.c3d.unstated, reading);
   const MarkerSequence session = read_session(job.session, options.reading, reading);
@@ -128,18 +114,23 @@ AnimateFilesResult animate_files(const FormatRegistry& formats, const AnimateJob
   done.result =
       animate_scan(scan, session, places, options.animate, ctx.part(0.1, 0.8, "animating"));
   AnimateResult& result = done.result;
-  result.drive.animation.provenance = provenance_of(job);
+  result.drive.animation.provenance =
+      provenance_of(job.program, job.command, job.options_toml, inputs);
   OutputSet files;
-  const fs::path output(job.output);
+  const fs::path output(job.output), stem = stem_of_output(output);
   const WriteResult written = add_animation(formats, result.drive.animation, output,
                                             options.writing, files, ctx.part(0.8, 0.9, "writing"));
   done.outputs.push_back(written.files.front().string());
   if (written.files.size() > 1) done.outputs.push_back(written.files.back().string());
   const auto add = [&](const std::string& suffix, const std::string& content) {
-    done.outputs.push_back(beside(output, suffix).string());
-    files.add(beside(output, suffix), content);
+    done.outputs.push_back(beside(stem, suffix).string());
+    files.add(beside(stem, suffix), content);
   };
-  add("_points.csv", marker_places_csv(result.registration.markers));
+  // The places that were read stay as they are.
+  std::error_code none;
+  if (job.places.empty() || !fs::equivalent(job.places, beside(stem, "_points.csv"), none)) {
+    add("_points.csv", marker_places_csv(result.registration.markers));
+  }
   if (options.pictures) {
     const Canvas attachment = attachment_picture(job, result, ctx);
     add("_attachment.png", encode_png(attachment.raster(1.5)));
@@ -150,9 +141,10 @@ AnimateFilesResult animate_files(const FormatRegistry& formats, const AnimateJob
     const Canvas frames = draw_contact_sheet(result.drive.animation, sheet, ctx).sheet;
     add("_frames.png", encode_png(frames.raster(png_scale(frames))));
   }
-  done.outputs.push_back(beside(output, "_summary.json").string());
+  done.outputs.push_back(beside(stem, "_summary.json").string());
   done.json = summary_of(job, result, done.outputs);
-  files.add(beside(output, "_summary.json"), done.json);
+  files.add(beside(stem, "_summary.json"), done.json);
+  refuse_to_replace(inputs, files.paths());
   files.commit();
   ctx.progress(1.0);
   return done;

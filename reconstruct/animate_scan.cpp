@@ -160,6 +160,20 @@ MarkerSequence in_scan_coordinates(const MarkerSequence& take, const Registratio
   return moved;
 }
 
+/// Refuses what would not fit into memory: the animation, and the weights while they are made.
+void refuse_too_large(std::size_t frames, std::size_t vertices, std::size_t markers,
+                      double memory_gb) {
+  const double positions = 12.0 * static_cast<double>(frames) * static_cast<double>(vertices);
+  const double weights = 16.0 * static_cast<double>(markers) * static_cast<double>(vertices);
+  const double needed = 1e-9 * (positions + weights);
+  if (needed <= memory_gb) return;
+  throw NoResultError(
+      {.what = "the animated scan would take " + format_fixed(needed, 1) + " GB of memory: " +
+               count_of(frames, "frame") + " of " + count_of(vertices, "vertex", "vertices"),
+       .remedy = "Cut the session or lower its rate (kinemesh c3d process --edits, steps crop and "
+                 "resample), decimate the scan, or allow more with --memory"});
+}
+
 /// From the scan's coordinates to the session's, with the head where it was.
 void put_head_motion_back(AnimatedMesh& mesh, const RigidFit& pose,
                           const std::vector<HeadPose>& poses) {
@@ -190,6 +204,11 @@ void AnimateOptions::declare(ParameterSet& p) {
             .help = "number of the frame that shows the scan's expression; -1: the one that fits "
                     "best"});
   drive.declare(p);
+  p.number("memory", memory_gb,
+           {.unit = "GB",
+            .min = 0.01,
+            .max = 1e5,
+            .help = "memory that the animated scan may take, all frames together"});
 }
 
 void AnimateOptions::validate() const {
@@ -211,6 +230,8 @@ AnimateResult animate_scan(const Mesh& scan, const MarkerSequence& session,
   const Steady steady =
       steady_take(session, options, result, ctx.part(0.0, 0.3, "preparing the markers"));
   for (const Marker& m : steady.take.markers()) result.labels.push_back(m.label);
+  refuse_too_large(steady.take.frame_count(), result.scan.positions.size(), result.labels.size(),
+                   options.memory_gb);
   std::size_t frame = choose_reference_frame(steady.take, options.neutral).frame;
   scale_scan(result, steady.take, frame);
   const RunContext registering = ctx.part(0.3, 0.6, "registering");

@@ -29,6 +29,8 @@ struct AnimateOptions {
   int64_t neutral = -1;
   /// Put the head's motion back: the result is in the session's coordinates, not in the scan's.
   bool head_motion = false;
+  /// The frames of the result are held at once; what would take more is refused before it is made.
+  double memory_gb = 4.0;
 
   void declare(ParameterSet& p);
   void validate() const;

@@ -8,12 +8,12 @@
 #include "capture/edit_list.h"
 #include "config/changed_parameters.h"
 #include "config/error.h"
-#include "config/input_file.h"
 #include "config/output_file.h"
 #include "config/text.h"
 #include "mesh/formats/mesh_io.h"
 #include "reconstruct/anonymous.h"
 #include "reconstruct/convert_report.h"
+#include "reconstruct/output_names.h"
 #include "report/gap_chart.h"
 #include "report/image.h"
 
@@ -22,43 +22,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// `face` for out/face.ply, out/face_####.obj and the folder out/face/.
-fs::path stem_of(const fs::path& output) {
-  const fs::path file = output.has_filename() ? output : output.parent_path();
-  std::string name = file.stem().string();
-  while (!name.empty() && (name.back() == '#' || name.back() == '_')) name.pop_back();
-  return (output.has_filename() ? file.parent_path() : file) / (name.empty() ? "mesh" : name);
-}
-
-fs::path beside(const fs::path& stem, const std::string& suffix) {
-  return stem.parent_path() / (stem.filename().string() + suffix);
-}
-
-bool is_file(const fs::path& path) {
-  std::error_code ignored;
-  return fs::is_regular_file(path, ignored);
-}
-
-Provenance provenance_of(const ConvertJob& job) {
-  Provenance p;
-  p.program = job.program;
-  p.command = job.command;
-  p.options = job.options_toml;
-  p.inputs.push_back({job.session, sha256_of_file(job.session)});
-  if (!job.previous.empty() && is_file(job.previous)) {
-    p.inputs.push_back({job.previous, sha256_of_file(job.previous)});
-  }
-  if (!job.edits.empty()) p.inputs.push_back({job.edits, sha256_of_file(job.edits)});
-  return p;
-}
-
 Anonymiser anonymiser_of(const ConvertJob& job, const MarkerSequence& session) {
   Anonymiser anonymiser(session);
   anonymiser.add_path(job.session, "session" + fs::path(job.session).extension().string());
   anonymiser.add_path(job.previous, "previous" + fs::path(job.previous).extension().string());
   anonymiser.add_path(job.edits, "edits.toml");
   anonymiser.add_path(job.output, "mesh" + fs::path(job.output).extension().string());
-  anonymiser.add(stem_of(job.output).filename().string(), "mesh");
+  anonymiser.add(stem_of_output(job.output).filename().string(), "mesh");
   return anonymiser;
 }
 
@@ -66,7 +36,7 @@ Anonymiser anonymiser_of(const ConvertJob& job, const MarkerSequence& session) {
 class Writer {
  public:
   Writer(const ConvertJob& job, const ConvertFilesOptions& options, ConvertFilesResult& result)
-      : job_(job), options_(options), result_(result), stem_(stem_of(job.output)) {}
+      : job_(job), options_(options), result_(result), stem_(stem_of_output(job.output)) {}
 
   void write(const FormatRegistry& formats, const RunContext& ctx) {
     title_ = fs::path(result_.session.origin.path).filename().string();
@@ -251,7 +221,8 @@ ConvertFilesResult convert_files(const FormatRegistry& formats, const ConvertJob
   result.conversion =
       convert_session(result.session, options.convert, previous, ctx.part(0.1, 0.7, "converting"));
   pass_on(std::move(findings), result.conversion.warnings);
-  result.conversion.animation.provenance = provenance_of(job);
+  result.conversion.animation.provenance = provenance_of(job.program, job.command, job.options_toml,
+                                                         {job.session, job.previous, job.edits});
   Writer writer(job, options, result);
   if (options.anonymous) {
     writer.anonymiser = anonymiser_of(job, result.session);

@@ -3,7 +3,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -21,16 +20,13 @@ constexpr double lowest_log = -16.0, highest_log = 12.0, log_step = 0.4;
 /// The displacements in the eigenbasis of the covariance, where everything is diagonal.
 struct Spectrum {
   Eigen::VectorXd values;    // ascending, above 0
-  Eigen::MatrixXd vectors;   // columns
   Eigen::MatrixXd energies;  // markers × frames: squared coefficients, summed over x, y, z
 };
 
 Spectrum spectrum_of(const Eigen::MatrixXd& displacements, const Eigen::MatrixXd& covariance) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
-  Spectrum s{eigen.eigenvalues().cwiseMax(1e-10 * eigen.eigenvalues().maxCoeff()),
-             eigen.eigenvectors(),
-             {}};
-  const Eigen::MatrixXd coefficients = s.vectors.transpose() * displacements;
+  Spectrum s{eigen.eigenvalues().cwiseMax(1e-10 * eigen.eigenvalues().maxCoeff()), {}};
+  const Eigen::MatrixXd coefficients = eigen.eigenvectors().transpose() * displacements;
   const Index frames = displacements.cols() / 3;
   s.energies.resize(displacements.rows(), frames);
   for (Index f = 0; f < frames; ++f) {
@@ -45,26 +41,13 @@ double cost_of(const Spectrum& s, Index frame, double log_amplitude, double nois
   return 0.5 * (s.energies.col(frame).array() / v).sum() + 1.5 * v.log().sum();
 }
 
-struct Amplitude {
-  double log_variance = 0.0;
-  double cost = std::numeric_limits<double>::infinity();
-};
-
-/// The amplitude of most likelihood: on a grid, then by the parabola through the best three, so
-/// that it changes smoothly from frame to frame.
-Amplitude amplitude_of(const Spectrum& s, Index frame, double noise_variance) {
-  std::vector<double> costs;
+/// The same for the amplitude of most likelihood.
+double least_cost(const Spectrum& s, Index frame, double noise_variance) {
+  double least = std::numeric_limits<double>::infinity();
   for (double x = lowest_log; x <= highest_log; x += log_step) {
-    costs.push_back(cost_of(s, frame, x, noise_variance));
+    least = std::min(least, cost_of(s, frame, x, noise_variance));
   }
-  const auto best = static_cast<std::size_t>(std::ranges::min_element(costs) - costs.begin());
-  Amplitude result{lowest_log + log_step * static_cast<double>(best), costs[best]};
-  if (best > 0 && best + 1 < costs.size()) {
-    const double left = costs[best - 1], right = costs[best + 1];
-    const double bend = left - 2.0 * costs[best] + right;
-    if (bend > 0.0) result.log_variance += 0.5 * log_step * (left - right) / bend;
-  }
-  return result;
+  return least;
 }
 
 /// Golden section over the logarithm of the noise; a few frames tell it.
@@ -75,7 +58,7 @@ double estimate_noise(const Spectrum& s, const RunContext& ctx) {
     const double variance = std::exp(2.0 * log_noise);
     std::vector<double> costs((frames + step - 1) / step);
     parallel_for(ctx, costs.size(), 8, [&](std::size_t i) {
-      costs[i] = amplitude_of(s, static_cast<Index>(i * step), variance).cost;
+      costs[i] = least_cost(s, static_cast<Index>(i * step), variance);
     });
     double sum = 0.0;
     for (const double c : costs) sum += c;
@@ -104,11 +87,28 @@ double estimate_noise(const Spectrum& s, const RunContext& ctx) {
   return std::exp(0.5 * (low + high));
 }
 
-/// One frame in which some markers count less: their own variance grows with their absence.
-Eigen::MatrixXd settle_with_gaps(const Eigen::MatrixXd& measured, const Eigen::VectorXf& absence,
-                                 const Eigen::MatrixXd& covariance, double amplitude,
-                                 double noise_variance) {
-  const Eigen::MatrixXd signal = amplitude * covariance;
+/// How much the motion of one marker says of another's size, from the prior: 1 for itself, about
+/// two thirds for a neighbour, next to nothing three spacings away.
+Eigen::MatrixXd kinship_of(const Eigen::MatrixXd& covariance) {
+  const Eigen::VectorXd scale = covariance.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  return (scale.asDiagonal() * covariance * scale.asDiagonal()).array().square().square();
+}
+
+/// Variance of the motion around each marker in one frame: what it and its kin move by more than
+/// the noise explains. Absent markers do not count.
+Eigen::VectorXd local_variances(const Eigen::MatrixXd& measured, const Eigen::VectorXf& absence,
+                                const Eigen::MatrixXd& kinship, double noise_variance) {
+  const Eigen::VectorXd present = 1.0 - absence.cast<double>().array();
+  const Eigen::VectorXd energies = measured.rowwise().squaredNorm() / 3.0;
+  const Eigen::VectorXd weights = kinship * present;
+  const Eigen::VectorXd sums = kinship * present.cwiseProduct(energies);
+  const double least = 0.01 * noise_variance;
+  return (sums.array() / weights.array().max(1e-12) - noise_variance).max(least);
+}
+
+/// Posterior mean of one frame's motion; a marker's own variance grows with its absence.
+Eigen::MatrixXd posterior_mean(const Eigen::MatrixXd& measured, const Eigen::VectorXf& absence,
+                               const Eigen::MatrixXd& signal, double noise_variance) {
   Eigen::MatrixXd sum = signal;
   for (Index m = 0; m < sum.rows(); ++m) {
     const double c = std::min(static_cast<double>(absence[m]), 0.9999);
@@ -116,6 +116,14 @@ Eigen::MatrixXd settle_with_gaps(const Eigen::MatrixXd& measured, const Eigen::V
     sum(m, m) += noise_variance + signal(m, m) * (1e-9 + odds * odds);
   }
   return signal * sum.llt().solve(measured);
+}
+
+/// Without noise measured markers stay as they are; the others go to what these predict.
+Eigen::MatrixXd with_gaps_bridged(const Eigen::MatrixXd& measured, const Eigen::VectorXf& absence,
+                                  const Eigen::MatrixXd& covariance) {
+  if (absence.maxCoeff() <= 0.0F) return measured;
+  const Eigen::MatrixXd predicted = posterior_mean(measured, absence, covariance, 0.0);
+  return measured + absence.cast<double>().asDiagonal() * (predicted - measured);
 }
 
 }  // namespace
@@ -126,33 +134,26 @@ MarkerFieldResult settle_markers(const Eigen::MatrixXd& displacements,
   MarkerFieldResult result;
   result.displacements.resize(displacements.rows(), displacements.cols());
   if (displacements.size() == 0) return result;
-  const Spectrum s = spectrum_of(displacements, covariance);
   double noise = 0.0;
-  if (options.smooth) noise = options.noise_mm > 0.0 ? options.noise_mm : estimate_noise(s, ctx);
+  if (options.smooth) {
+    noise = options.noise_mm > 0.0 ? options.noise_mm
+                                   : estimate_noise(spectrum_of(displacements, covariance), ctx);
+  }
   result.noise_mm = noise;
+  const Eigen::MatrixXd kinship = kinship_of(covariance);
   const auto frames = static_cast<std::size_t>(displacements.cols() / 3);
   std::vector<double> changes(frames, 0.0);
   parallel_for(ctx, frames, 4, [&](std::size_t i) {
     const auto f = static_cast<Index>(i);
     const Eigen::MatrixXd measured = displacements.middleCols(3 * f, 3);
-    const double amplitude =
-        noise > 0.0 ? std::exp(amplitude_of(s, f, noise * noise).log_variance) : 1.0;
-    Eigen::MatrixXd settled = measured;
+    Eigen::MatrixXd settled;
     if (noise > 0.0) {
-      const Eigen::ArrayXd signal = amplitude * s.values.array();
-      const Eigen::VectorXd keep = signal / (signal + noise * noise);
-      settled = s.vectors * (keep.asDiagonal() * (s.vectors.transpose() * measured));
-    }
-    const double most_absent = absence.col(f).maxCoeff();
-    if (most_absent > 0.0) {
-      const Eigen::MatrixXd without =
-          settle_with_gaps(measured, absence.col(f), covariance, amplitude, noise * noise);
-      for (Index m = 0; m < measured.rows(); ++m) {
-        const double own = absence(m, f);
-        // Without smoothing, measured markers stay as they are.
-        const double share = own > 0.0 ? own : noise > 0.0 ? most_absent : 0.0;
-        settled.row(m) += share * (without.row(m) - settled.row(m));
-      }
+      const Eigen::VectorXd size =
+          local_variances(measured, absence.col(f), kinship, noise * noise).cwiseSqrt();
+      settled = posterior_mean(measured, absence.col(f),
+                               size.asDiagonal() * covariance * size.asDiagonal(), noise * noise);
+    } else {
+      settled = with_gaps_bridged(measured, absence.col(f), covariance);
     }
     for (Index m = 0; m < measured.rows(); ++m) {
       const Eigen::RowVector3d off = measured.row(m) - settled.row(m);

@@ -2,11 +2,11 @@
 // noise that no neighbour shares is taken off, and a marker with a gap gives way softly to what its
 // neighbours predict.
 //
-// Each frame's displacements are a Gaussian field with the covariance of the drive operator times
-// the frame's own amplitude, plus noise (kriging; Rasmussen & Williams 2006, eq. 2.23). Amplitudes
-// and the noise are those of most likelihood, so that a still face stays still and a moving one
-// moves fully. No measured marker is moved by more than 2.5 times the noise: what lies beyond is no
-// noise but motion that the prior does not know.
+// Each frame's displacements are a Gaussian field with the covariance of the drive operator, scaled
+// by how much the face moves around each marker in that frame, plus noise (kriging; Rasmussen &
+// Williams 2006, eq. 2.23): where the face is still it stays still, and where it moves it moves
+// fully. The noise is that of most likelihood over the take. No measured marker is moved by more
+// than 2.5 times the noise: what lies beyond is no noise but motion that the prior does not know.
 #pragma once
 
 #include <Eigen/Core>

@@ -23,6 +23,7 @@ struct BasisState {
 
 ExitCode make_basis(BasisState& state, Terminal& terminal) {
   const FormatRegistry formats = all_formats();
+  refuse_to_replace({state.animations.begin(), state.animations.end()}, {state.output});
   std::vector<AnimatedMesh> animations;
   for (const std::string& path : state.animations) {
     animations.push_back(
@@ -64,14 +65,15 @@ struct ExpressState {
 };
 
 ExitCode express_animation(ExpressState& state, Terminal& terminal) {
+  if (state.output.empty()) {
+    state.output = std::filesystem::path(state.animation).stem().string() + "_scores.csv";
+  }
+  refuse_to_replace({state.basis, state.animation}, {state.output});
   const ExpressionBasis basis = read_expression_basis(state.basis);
   const AnimatedMesh animation = read_animation(all_formats(), state.animation, state.reading,
                                                 terminal.run.part(0.0, 0.5, "reading"));
   const ExpressionScores scores =
       express(basis, animation, terminal.run.part(0.5, 1.0, "expressing"));
-  if (state.output.empty()) {
-    state.output = std::filesystem::path(state.animation).stem().string() + "_scores.csv";
-  }
   write_file(state.output, scores_csv(scores, animation.rate_hz, animation.first_frame));
   const double rms =
       std::sqrt(scores.rms_error_mm.squaredNorm() /

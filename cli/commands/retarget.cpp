@@ -1,13 +1,15 @@
 // kinemesh retarget: the motion of one subject's mesh on another's.
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "capture/formats/mesh_formats.h"
 #include "cli/commands/commands.h"
-#include "config/input_file.h"
+#include "config/output_file.h"
 #include "config/text.h"
 #include "config/version.h"
 #include "mesh/formats/mesh_io.h"
 #include "mesh/surface_map_io.h"
+#include "reconstruct/output_names.h"
 #include "reconstruct/retarget.h"
 
 namespace kinemesh::cli {
@@ -21,6 +23,9 @@ struct State {
 
 ExitCode run(State& state, Terminal& terminal) {
   const FormatRegistry formats = all_formats();
+  const std::vector<std::filesystem::path> inputs{state.animation, state.source_rest,
+                                                  state.target_rest, state.map};
+  refuse_to_replace(inputs, {state.output});
   const RunContext reading = terminal.run.part(0.0, 0.2, "reading");
   const AnimatedMesh source = read_animation(formats, state.animation, state.reading, reading);
   const Mesh rest = read_mesh(formats, state.source_rest, state.reading, reading);
@@ -29,12 +34,8 @@ ExitCode run(State& state, Terminal& terminal) {
   output_format(formats, state.output, state.writing, source.frame_count());
   RetargetResult result =
       retarget(source, rest, target, map, terminal.run.part(0.2, 0.8, "transferring"));
-  Provenance& p = result.animation.provenance;
-  p = {program_version(), terminal.command_line, terminal.options_toml, {}, {}};
-  for (const std::string& path :
-       {state.animation, state.source_rest, state.target_rest, state.map}) {
-    p.inputs.push_back({path, sha256_of_file(path)});
-  }
+  result.animation.provenance =
+      provenance_of(program_version(), terminal.command_line, terminal.options_toml, inputs);
   const WriteResult written =
       write_animation(formats, result.animation, state.output, state.writing,
                       terminal.run.part(0.8, 1.0, "writing"));

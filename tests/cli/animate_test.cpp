@@ -82,5 +82,28 @@ TEST(AnimateCommand, WrongInputsEndWithAMessageAndNoFile) {
   EXPECT_FALSE(fs::exists(out));
 }
 
+/// As a user mistypes it: the scan, the other subject or the basis named as output, too.
+TEST(AnimateCommand, NoCommandReplacesWhatItReads) {
+  const test::TemporaryFolder folder;
+  const auto copied = [&](const fs::path& from, const char* name) {
+    fs::copy_file(from, folder.path() / name);
+    return (folder.path() / name).string();
+  };
+  const std::string scan = copied(test::sample_folder() / "truth" / "anna_rest.ply", "anna.ply");
+  const std::string other = copied(test::sample_folder() / "truth" / "ben_rest.ply", "ben.ply");
+  const std::string session = copied(test::sample_folder() / "anna_happy.c3d", "anna.c3d");
+  const std::string before = read_file(scan);
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"animate", scan, session, "-o", scan},
+           {"retarget", scan, scan, other, "--map", session, "-o", other},
+           {"basis", scan, "-o", scan},
+           {"express", session, scan, "-o", scan}}) {
+    const auto run = test::run_program(KINEMESH_PROGRAM, words);
+    EXPECT_EQ(run.exit_code, 2) << words.front() << run.err;
+    EXPECT_NE(run.err.find("replace the input"), std::string::npos) << words.front() << run.err;
+  }
+  EXPECT_EQ(read_file(scan), before);
+}
+
 }  // namespace
 }  // namespace kinemesh::animate_test

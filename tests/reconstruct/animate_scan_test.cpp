@@ -205,6 +205,18 @@ TEST(AnimateScan, MirroredMarkersAreRefused) {
   }
 }
 
+TEST(AnimateScan, WhatWouldNotFitIntoMemoryIsRefusedBeforeTheWork) {
+  AnimateOptions options;
+  options.memory_gb = 0.01;
+  try {
+    animate_scan(sample().scan, sample().session, {}, options);
+    ADD_FAILURE() << "more memory was taken than allowed";
+  } catch (const NoResultError& error) {
+    EXPECT_NE(std::string(error.what()).find("GB of memory"), std::string::npos) << error.what();
+    EXPECT_NE(error.details().remedy.find("c3d process"), std::string::npos);
+  }
+}
+
 TEST(AnimateScan, ACloudOfPointsIsRefused) {
   Mesh cloud{Topology::create(10, {}), std::vector<Eigen::Vector3f>(10), {}};
   EXPECT_THROW(animate_scan(cloud, sample().session), NoResultError);
