@@ -11,8 +11,9 @@
 namespace kinemesh {
 
 FaceFrame find_face_frame(const EditMesh& mesh, const Points& points, double spacing) {
-  FaceFrame frame{find_mirror_plane(mesh, points, spacing), Eigen::Vector3d::Zero(), spacing};
-  for (const auto& n : vertex_normals(mesh, points)) frame.front += n;
+  const Points normals = vertex_normals(mesh, points);
+  FaceFrame frame{find_mirror_plane(points, normals, spacing), Eigen::Vector3d::Zero(), spacing};
+  for (const auto& n : normals) frame.front += n;
   const double norm = frame.front.norm();
   frame.front =
       norm > 0 ? Eigen::Vector3d(frame.front / norm) : frame.plane.normal.unitOrthogonal();

@@ -3,8 +3,8 @@
 
 #include <optional>
 
+#include "mesh/mirror_plane.h"
 #include "reconstruct/edit_mesh.h"
-#include "reconstruct/mirror_plane.h"
 
 namespace kinemesh {
 

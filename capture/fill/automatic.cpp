@@ -45,6 +45,7 @@ Effort effort_for(const AutomaticOptions& options, double gap_s) {
   effort.training.rows = brief ? 56 : 120;
   effort.training.donors = brief ? 10 : 16;
   effort.training.frame_rounds = 1;
+  effort.training.guess.adapt = brief ? GuessAdapt::never : GuessAdapt::where_new;
   effort.process.noise_rows = brief ? 40 : 60;
   effort.process.noise_step = 10.0;
   effort.process.lengths = {0.25};
@@ -56,6 +57,7 @@ Effort effort_for(const AutomaticOptions& options, double gap_s) {
 
 Automatic::Automatic(const Trajectories& take, const AutomaticOptions& options)
     : take_(take), options_(options), rough_(fill_roughly(take)), noise_(take.markers(), 0.0) {
+  mirror_ = find_mirror(rough_);
   for (std::size_t m = 0; m < take.markers(); ++m) {
     if (take.measured_count(m) > 0 && take.measured_count(m) < take.frames()) {
       noise_[m] = noise_variance(take, m);
@@ -68,7 +70,8 @@ Estimate Automatic::fill(const GapAt& gap) const {
   if (take_.measured_count(gap.marker) >= least_rows) {
     const double rate = take_.rate_hz() > 0.0 ? take_.rate_hz() : 60.0;
     const Effort effort = effort_for(options_, static_cast<double>(gap.frames.size()) / rate);
-    const TrainingSet set = make_training_set(take_, rough_, gap, effort.training);
+    const TrainingSet set =
+        make_training_set(take_, rough_, mirror_ ? &*mirror_ : nullptr, gap, effort.training);
     if (set.rows.size() >= least_rows) {
       return estimate_gap(set, take_.rate_hz(), noise_[gap.marker], effort.process);
     }

@@ -1,9 +1,11 @@
 // The default way of filling a gap: a Gaussian process on the other markers and time.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "capture/fill/gaussian_process.h"
+#include "capture/fill/mirror.h"
 #include "capture/fill/trajectories.h"
 
 namespace kinemesh::fill {
@@ -24,6 +26,7 @@ class Automatic {
   const Trajectories& take_;
   AutomaticOptions options_;
   Trajectories rough_;
+  std::optional<Mirror> mirror_;
   std::vector<double> noise_;  ///< variance by marker, mm²; of those with gaps
 };
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "capture/fill/common_frame.h"
+
 namespace kinemesh::fill {
 namespace {
 
@@ -129,55 +131,6 @@ std::vector<std::size_t> thin_rows(const Trajectories& take, const GapAt& gap,
   return rows;
 }
 
-/// Positions of donors in rows and gap frames, and the rigid frame that moves with them.
-class CommonFrame {
- public:
-  CommonFrame(const Trajectories& rough, const std::vector<Donor>& donors,
-              const std::vector<std::size_t>& frames, std::size_t row_count, int rounds)
-      : poses_(frames.size()), count_(donors.size()) {
-    positions_.reserve(frames.size() * count_);
-    for (const std::size_t f : frames) {
-      for (const Donor& d : donors) positions_.emplace_back(rough.at(d.marker, f));
-    }
-    if (count_ < 4 || row_count == 0) return;
-    std::vector<Eigen::Vector3d> shape(at(row_count / 2).begin(), at(row_count / 2).end());
-    std::vector<double> weights(count_, 1.0);
-    for (int round = 0; round <= rounds; ++round) {
-      for (std::size_t i = 0; i < frames.size(); ++i) poses_[i] = fit_rigid(shape, at(i), weights);
-      if (round < rounds) average(row_count, shape, weights);
-    }
-  }
-
-  std::span<const Eigen::Vector3d> at(std::size_t i) const {
-    return {positions_.data() + i * count_, count_};
-  }
-  const RigidFit& pose(std::size_t i) const { return poses_[i]; }
-
- private:
-  /// Mean shape over the rows; donors that move more count less.
-  void average(std::size_t row_count, std::vector<Eigen::Vector3d>& shape,
-               std::vector<double>& weights) const {
-    std::vector<double> variance(count_, 0.0);
-    for (std::size_t k = 0; k < count_; ++k) {
-      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-      for (std::size_t i = 0; i < row_count; ++i) sum += poses_[i].undo(at(i)[k]);
-      shape[k] = sum / static_cast<double>(row_count);
-      for (std::size_t i = 0; i < row_count; ++i) {
-        variance[k] += (poses_[i].undo(at(i)[k]) - shape[k]).squaredNorm();
-      }
-    }
-    std::vector<double> sorted = variance;
-    std::ranges::sort(sorted);
-    const double median = sorted[count_ / 2];
-    if (median <= 0.0) return;
-    for (std::size_t k = 0; k < count_; ++k) weights[k] = median / (variance[k] + median);
-  }
-
-  std::vector<RigidFit> poses_;
-  std::vector<Eigen::Vector3d> positions_;
-  std::size_t count_;
-};
-
 /// Weighted displacements, scaled to a root mean square norm of 1 over the rows or, where the
 /// donors move more in the gap, over the geometric mean of both: motion that no row knows must not
 /// look like much of the same, and what the rows tell of its beginning must count.
@@ -191,7 +144,7 @@ Dense make_inputs(const CommonFrame& frame, const std::vector<Donor>& donors, st
       double* values = inputs.row(3 * k + c);
       double mean = 0.0;
       for (std::size_t i = 0; i < columns; ++i) {
-        values[i] = frame.pose(i).undo(frame.at(i)[k])[static_cast<Eigen::Index>(c)];
+        values[i] = frame.inside(i, k)[static_cast<Eigen::Index>(c)];
         if (i < rows) mean += values[i] / static_cast<double>(rows);
       }
       for (std::size_t i = 0; i < columns; ++i) {
@@ -212,61 +165,10 @@ Dense make_inputs(const CommonFrame& frame, const std::vector<Donor>& donors, st
   return inputs;
 }
 
-/// How much each of the first donors tells about a place that moves like what is around it:
-/// ordinary kriging (Matheron 1963) of a displacement field with a Matérn 3/2 covariance over the
-/// distance. The weights add up to 1.
-Eigen::VectorXd kriging_weights(const std::vector<Eigen::Vector3d>& at, const Eigen::Vector3d& own,
-                                const TrainingOptions& options) {
-  const auto n = static_cast<Eigen::Index>(at.size());
-  double range = 0.0;
-  for (const Eigen::Vector3d& p : at) {
-    range += options.guess_range * (p - own).norm() / static_cast<double>(n);
-  }
-  if (!(range > 0.0)) return Eigen::VectorXd::Zero(n);
-  const auto alike = [&](const Eigen::Vector3d& p, const Eigen::Vector3d& q) {
-    const double r = std::sqrt(3.0) * (p - q).norm() / range;
-    return (1.0 + r) * std::exp(-r);
-  };
-  Eigen::MatrixXd a = Eigen::MatrixXd::Ones(n + 1, n + 1);
-  Eigen::VectorXd b = Eigen::VectorXd::Ones(n + 1);
-  for (Eigen::Index k = 0; k < n; ++k) {
-    const Eigen::Vector3d& p = at[static_cast<std::size_t>(k)];
-    for (Eigen::Index j = 0; j < n; ++j) a(k, j) = alike(p, at[static_cast<std::size_t>(j)]);
-    a(k, k) += options.guess_nugget;
-    b[k] = alike(p, own);
-  }
-  a(n, n) = 0.0;
-  return a.fullPivLu().solve(b).head(n);
-}
-
-/// What the nearest donors' displacements say where the marker is, before anything is learnt.
-Eigen::MatrixXd spatial_guess(const CommonFrame& frame, const Eigen::Vector3d& own,
-                              std::size_t donors, std::size_t rows, std::size_t columns,
-                              const TrainingOptions& options) {
-  Eigen::MatrixXd guess = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(columns), 3);
-  const std::size_t n = std::min(donors, options.guess_donors);
-  constexpr std::size_t least = 3;  // fewer say little of the surface between them
-  if (n < least || rows == 0) return guess;
-  std::vector<Eigen::Vector3d> at(n, Eigen::Vector3d::Zero());
-  for (std::size_t i = 0; i < rows; ++i) {
-    for (std::size_t k = 0; k < n; ++k) {
-      at[k] += frame.pose(i).undo(frame.at(i)[k]) / static_cast<double>(rows);
-    }
-  }
-  const Eigen::VectorXd weights = kriging_weights(at, own, options);
-  for (std::size_t i = 0; i < columns; ++i) {
-    for (std::size_t k = 0; k < n; ++k) {
-      guess.row(static_cast<Eigen::Index>(i)) +=
-          weights[static_cast<Eigen::Index>(k)] *
-          (frame.pose(i).undo(frame.at(i)[k]) - at[k]).transpose();
-    }
-  }
-  return guess;
-}
-
 }  // namespace
 
-TrainingSet make_training_set(const Trajectories& take, const Trajectories& rough, const GapAt& gap,
+TrainingSet make_training_set(const Trajectories& take, const Trajectories& rough,
+                              const Mirror* mirror, const GapAt& gap,
                               const TrainingOptions& options) {
   TrainingSet set;
   std::vector<Donor> donors = choose_donors(take, gap, options);
@@ -279,15 +181,24 @@ TrainingSet make_training_set(const Trajectories& take, const Trajectories& roug
   frames.insert(frames.end(), set.gap.begin(), set.gap.end());
   const std::size_t rows = set.rows.size();
 
-  const CommonFrame frame(rough, donors, frames, rows, options.frame_rounds);
+  std::vector<std::size_t> markers;
+  for (const Donor& d : donors) markers.push_back(d.marker);
+  const CommonFrame frame(rough, markers, frames, rows, options.frame_rounds);
   set.inputs = make_inputs(frame, donors, rows, frames.size());
   set.outputs.resize(static_cast<Eigen::Index>(rows), 3);
   for (std::size_t i = 0; i < rows; ++i) {
     set.outputs.row(static_cast<Eigen::Index>(i)) =
         frame.pose(i).undo(take.at(gap.marker, frames[i])).transpose();
   }
-  set.guess = spatial_guess(frame, set.outputs.colwise().mean().transpose(), donors.size(), rows,
-                            frames.size(), options);
+  set.guess = spatial_guess({.take = take,
+                             .rough = rough,
+                             .gap = gap,
+                             .donors = markers,
+                             .frames = frames,
+                             .rows = rows,
+                             .frame = frame,
+                             .own = set.outputs.colwise().mean().transpose()},
+                            mirror, options.guess);
   set.outputs -= set.guess.topRows(static_cast<Eigen::Index>(rows));
   set.mean_output = set.outputs.colwise().mean();
   set.outputs.rowwise() -= set.mean_output;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "capture/fill/dense.h"
+#include "capture/fill/spatial_guess.h"
 #include "capture/fill/trajectories.h"
 #include "capture/rigid_fit.h"
 
@@ -17,9 +18,7 @@ struct TrainingOptions {
                                  ///< × the mean distance to the five nearest, if that is larger
   std::size_t donors = 24;       ///< at most
   int frame_rounds = 2;          ///< refinements of the common frame's mean shape
-  std::size_t guess_donors = 8;  ///< the nearest ones, from which the marker is guessed
-  double guess_range = 2.0;      ///< of their covariance, in their mean distances
-  double guess_nugget = 0.25;    ///< what tells each from its surroundings, noise among it
+  GuessOptions guess;
 };
 
 /// Frames, inputs and outputs; the columns of `inputs` are the rows, then the gap's frames.
@@ -45,8 +44,10 @@ struct TrainingSet {
 /// cost too many rows are left out instead. Everything is expressed in a common frame that moves
 /// with the donors (weighted rigid fit to their mean shape), so that head motion, however large, is
 /// no part of what has to be learnt.
-/// `rough`: the same take with every gap filled provisionally.
-TrainingSet make_training_set(const Trajectories& take, const Trajectories& rough, const GapAt& gap,
+/// `rough`: the same take with every gap filled provisionally. `mirror`: where the two halves of
+/// the face lie, or null.
+TrainingSet make_training_set(const Trajectories& take, const Trajectories& rough,
+                              const Mirror* mirror, const GapAt& gap,
                               const TrainingOptions& options);
 
 }  // namespace kinemesh::fill

@@ -1,4 +1,4 @@
-#include "reconstruct/mirror_plane.h"
+#include "mesh/mirror_plane.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -7,15 +7,15 @@
 #include <limits>
 #include <numbers>
 
-#include "reconstruct/delaunay_flips.h"
-
 namespace kinemesh {
 namespace {
 
+using Points = std::vector<Eigen::Vector3d>;
+
 class MirrorSearch {
  public:
-  MirrorSearch(const EditMesh& mesh, const Points& points, double spacing)
-      : points_(points), normals_(vertex_normals(mesh, points)), spacing_(spacing) {
+  MirrorSearch(const Points& points, const Points& normals, double spacing)
+      : points_(points), normals_(normals), spacing_(spacing) {
     for (std::size_t v = 0; v < points.size(); ++v) {
       centre_ += points[v] / static_cast<double>(points.size());
       front_ += normals_[v];
@@ -90,7 +90,7 @@ class MirrorSearch {
   }
 
   const Points& points_;
-  Points normals_;
+  const Points& normals_;
   double spacing_;
   Eigen::Vector3d centre_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d front_ = Eigen::Vector3d::Zero();
@@ -99,9 +99,9 @@ class MirrorSearch {
 
 }  // namespace
 
-MirrorPlane find_mirror_plane(const EditMesh& mesh, const Points& points, double spacing) {
+MirrorPlane find_mirror_plane(const Points& points, const Points& normals, double spacing) {
   if (points.size() < 3 || spacing <= 0) return {};
-  return MirrorSearch(mesh, points, spacing).run();
+  return MirrorSearch(points, normals, spacing).run();
 }
 
 }  // namespace kinemesh

@@ -2,8 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
-
-#include "reconstruct/edit_mesh.h"
+#include <vector>
 
 namespace kinemesh {
 
@@ -19,7 +18,8 @@ struct MirrorPlane {
 };
 
 /// Searches planes that hold the mean outward normal: every 7.5°, then finer with tilt. About 3 ms
-/// for 160 markers.
-MirrorPlane find_mirror_plane(const EditMesh& mesh, const Points& points, double spacing);
+/// for 160 markers. `normals`: outward, one a point; `spacing`: of the points, mm.
+MirrorPlane find_mirror_plane(const std::vector<Eigen::Vector3d>& points,
+                              const std::vector<Eigen::Vector3d>& normals, double spacing);
 
 }  // namespace kinemesh
