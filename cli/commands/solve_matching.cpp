@@ -11,7 +11,7 @@
 namespace kinemesh::cli {
 namespace {
 
-constexpr double shortest_search_s = 0.001;
+constexpr double shortest_search_s = 0.02;  // whatever reading took
 
 struct Arguments {
   std::string problem;
@@ -53,7 +53,8 @@ ExitCode run_solve(const Arguments& args, Terminal& terminal) {
   // The limit is the whole command's: what reading took is gone.
   const std::chrono::duration<double> reading = std::chrono::steady_clock::now() - begin;
   MatchingOptions options = args.options;
-  options.time_limit_s = std::max(shortest_search_s, options.time_limit_s - reading.count());
+  options.time_limit_s = std::max(std::min(shortest_search_s, args.options.time_limit_s),
+                                  options.time_limit_s - reading.count());
   const MatchingResult result = solve_matching(problem, options, terminal.run);
   terminal.print(terminal.json ? as_json(args.problem, result).dump(2) : in_words(result));
   return ExitCode::done;
