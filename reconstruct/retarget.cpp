@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "config/error.h"
 #include "config/parallel.h"
@@ -53,6 +54,11 @@ double total_area(const Points& p, const std::vector<Triangle>& faces) {
   return sum;
 }
 
+double longest_edge(const Points& p, const Triangle& t) {
+  return std::max(
+      {(p[t[0]] - p[t[1]]).norm(), (p[t[1]] - p[t[2]]).norm(), (p[t[2]] - p[t[0]]).norm()});
+}
+
 /// For each target face the source face that lies on it: the closest one of the source mesh laid
 /// over the target by the map.
 std::vector<FaceIndex> corresponding_faces(const Topology& source, const Topology& target,
@@ -65,15 +71,20 @@ std::vector<FaceIndex> corresponding_faces(const Topology& source, const Topolog
   const ClosestPointSearch search(laid, source.faces());
   const double edge = std::sqrt(4.0 / std::sqrt(3.0) * total_area(target_rest, target.faces()) /
                                 static_cast<double>(std::max<std::size_t>(1, target.face_count())));
+  // A source face that is stretched over what is round cuts through it, as far off as it is long.
+  const auto lies_on = [&](const ClosestHit& hit) {
+    return hit.point.valid() &&
+           hit.distance <= std::max(3.0 * edge, longest_edge(laid, source.faces()[hit.point.face]));
+  };
   std::vector<FaceIndex> result(target.face_count(), invalid_index);
   parallel_for(ctx, result.size(), 256, [&](std::size_t f) {
     const Triangle& t = target.faces()[f];
     const Vector3d centre = (target_rest[t[0]] + target_rest[t[1]] + target_rest[t[2]]) / 3.0;
     const Vector3d normal =
         (target_rest[t[1]] - target_rest[t[0]]).cross(target_rest[t[2]] - target_rest[t[0]]);
-    ClosestHit hit = search.closest(centre, 3.0 * edge, &normal);
-    if (!hit.point.valid()) hit = search.closest(centre, 3.0 * edge);
-    result[f] = hit.point.face;
+    ClosestHit hit = search.closest(centre, std::numeric_limits<double>::infinity(), &normal);
+    if (!lies_on(hit)) hit = search.closest(centre);
+    if (lies_on(hit)) result[f] = hit.point.face;
   });
   return result;
 }

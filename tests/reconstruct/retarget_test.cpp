@@ -118,6 +118,29 @@ TEST(Retarget, AnotherFaceWithAnotherConnectivityDoesTheSame) {
   EXPECT_LT(error, 0.35 * motion_size) << error / samples << " of " << motion_size / samples;
 }
 
+/// Large source triangles cut through what is round: their middles lie far from a fine target.
+TEST(Retarget, EveryFaceOfAFineTargetFindsItsFaceOfACoarseSource) {
+  const Mesh coarse = sheet(5, 60.0), fine = sheet(121, 60.0);
+  const SurfaceMap all = identity_map(*fine.topology);
+  SurfaceMap map;
+  for (std::size_t y = 0; y < 5; ++y) {
+    for (std::size_t x = 0; x < 5; ++x) map.points.push_back(all.points[30 * (y * 121 + x)]);
+  }
+  AnimatedMesh source(coarse.topology, 1, 0.0);
+  const Eigen::AngleAxisf turn(0.8F, Eigen::Vector3f(1, 2, 0.5F).normalized());
+  for (VertexIndex v = 0; v < coarse.positions.size(); ++v) {
+    source.position(0, v) = turn * coarse.positions[v];
+  }
+  const RetargetResult result = retarget(source, coarse, fine, map);
+  EXPECT_EQ(result.faces_without_source, 0U);
+  for (const VertexIndex v : {121U, 7000U, 14000U}) {
+    const Eigen::Vector3f edge = fine.positions[v] - fine.positions[v - 121];
+    const Eigen::Vector3f turned =
+        result.animation.position(0, v) - result.animation.position(0, v - 121);
+    EXPECT_LT((turned - turn * edge).norm(), 2e-3F);
+  }
+}
+
 TEST(Retarget, WhatDoesNotBelongTogetherIsRefused) {
   const Mesh rest = sheet(8, 20.0), other = sheet(9, 20.0);
   const AnimatedMesh source = moving(rest, 2);
