@@ -47,7 +47,8 @@ Eigen::Vector3d level(double x, double y) { return {x, y, 0.1 * x * x}; }
 /// The indices that are taken back when each place is matched to its own number.
 std::vector<uint32_t> taken_back(const FeaturePlaces& a, const FeaturePlaces& b,
                                  double limit = FeatureMatchingOptions().reject) {
-  const FeatureEnergy energy(a, b, {});
+  const FeatureMatchingOptions options;  // the energy keeps a reference
+  const FeatureEnergy energy(a, b, options);
   std::vector<FeatureMatch> matches, rejected;
   for (uint32_t k = 0; k < a.places.size(); ++k) matches.push_back({.source = k, .target = k});
   take_back_misfits(energy, limit, matches, rejected);
