@@ -249,9 +249,18 @@ bool comparable(const Pair& pair) {
   return shared > 0 && 2 * far < shared;
 }
 
+/// Whether the chart of another change shows this one with its band.
+auto shows(const Change& change, double rate_hz) {
+  return [&change, apart = 0.5 * rate_hz](const Change& other) {
+    const double frames = static_cast<double>(change.frame) - static_cast<double>(other.frame);
+    return change.marker == other.marker && std::abs(frames) <= apart;
+  };
+}
+
 std::vector<LineChart> trajectory_charts(const Pair& pair) {
   constexpr std::size_t most = 3;
   std::vector<LineChart> charts;
+  std::vector<Change> drawn;
   const bool both = comparable(pair);
   if (both) {
     const auto changes =
@@ -259,6 +268,7 @@ std::vector<LineChart> trajectory_charts(const Pair& pair) {
     for (std::size_t i = 0; i < std::min(most, changes.size()); ++i) {
       charts.push_back(
           trajectory_chart(pair, changes[i], "moved by " + format_fixed(changes[i].mm, 1) + " mm"));
+      drawn.push_back(changes[i]);
     }
   }
   if (pair.after.uncertainty().empty()) return charts;
@@ -268,10 +278,12 @@ std::vector<LineChart> trajectory_charts(const Pair& pair) {
   });
   const Pair alone{pair.before, pair.after,
                    std::vector<std::size_t>(pair.column.size(), MarkerSequence::npos), false};
-  for (std::size_t i = 0; i < std::min(most, rough.size()); ++i) {
+  for (std::size_t i = 0, more = 0; i < rough.size() && more < most; ++i) {
+    if (std::ranges::any_of(drawn, shows(rough[i], pair.after.rate_hz))) continue;
     charts.push_back(
         trajectory_chart(both ? pair : alone, rough[i],
                          "estimated, uncertain by up to " + format_fixed(rough[i].mm, 2) + " mm"));
+    ++more;
   }
   return charts;
 }
@@ -340,9 +352,9 @@ std::vector<LineChart> head_charts(const MarkerSequence& before, const MarkerSeq
     const MarkerSequence& take = done ? after : before;
     const std::string title = done ? "Head after stabilising, error per frame"
                                    : "Head before stabilising, motion per frame";
-    LineChart chart{.title = title + ": rigid markers from their mean place, RMS",
+    LineChart chart{.title = title + " (rigid markers, RMS)",
                     .x = time_axis(take),
-                    .y = {.label = "distance", .unit = "mm", .from_zero = true}};
+                    .y = {.label = "from mean place", .unit = "mm", .from_zero = true}};
     chart.series = {motion_of(take, labels)};
     chart.series.back().label = join(labels, ", ");
     chart.series.back().colour = series_colour(done ? 0 : 1);

@@ -211,9 +211,9 @@ class Judge {
         "the cameras' residual is " + format_fixed(r_.residual_mm, 2) + " mm: calibrate them");
     say(percent(r_.dropped_frames + r_.repeated_frames, r_.frames) > o_.most_dropped_percent,
         dropped());
-    say(static_cast<double>(r_.swaps.size()) / minutes > o_.most_swaps_per_minute &&
-            r_.swaps.size() > 3,
-        count_of(r_.swaps.size(), "label swap"));
+    const std::size_t swaps = count_swaps(r_.swaps);
+    say(static_cast<double>(swaps) / minutes > o_.most_swaps_per_minute && swaps > 3,
+        count_of(swaps, "label swap"));
     std::size_t spiky = 0;
     for (const Spike& s : r_.spikes) spiky += s.frames.size();
     say(percent(spiky, samples) > o_.most_spikes_percent,
@@ -226,7 +226,7 @@ class Judge {
   }
 
   void mendable() {
-    say(!r_.swaps.empty(), count_of(r_.swaps.size(), "label swap"));
+    say(!r_.swaps.empty(), count_of(count_swaps(r_.swaps), "label swap"));
     say(!r_.jumps.empty(),
         count_of(r_.jumps.size(), "jump") + " to another place, to be mended by hand");
     say(!r_.strays.empty(),

@@ -143,7 +143,7 @@ std::string quality_text(const QualityResult& r) {
                      count_of(r.lost_markers, "marker") + " lost");
   row("noise", number(r.noise_mm, 3, "mm (median over markers, one coordinate)"));
   row("residuals", number(r.residual_mm, 3, "mm (median)"));
-  row("swaps", std::to_string(r.swaps.size()));
+  row("swaps", std::to_string(count_swaps(r.swaps)));
   for (const LabelSwap& s : r.swaps) {
     row("", r.labels[s.a] + " and " + r.labels[s.b] +
                 (s.until ? ", " + frames_of(r, {s.from, *s.until})

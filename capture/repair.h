@@ -48,6 +48,9 @@ struct LabelSwap {
   std::size_t of = 2;      ///< labels that went round
 };
 
+/// How often labels were exchanged; a round of three or more counts once.
+std::size_t count_swaps(const std::vector<LabelSwap>& swaps);
+
 /// A marker goes elsewhere within one frame and stays there, and no other one took its place: its
 /// label is wrong before or after. Which one, a person must say.
 struct Jump {
@@ -91,7 +94,8 @@ struct RepairResult {
 /// Strays: see there; up to 1.5 s, off by more than makes a jump and twice what 95 % of the take's
 /// stretches of that length keep of where the neighbours' rigid motion leads, three times when they
 /// are nobody's. Given to the marker that was not seen and should be there, or taken out.
-/// When an exchange happens once, in the first frames of the take, these have the wrong labels.
+/// When labels are exchanged once, in the first third of the take, the frames before have the wrong
+/// ones: those that hold for longer are right.
 /// Markers of the body alone are looked at; filled samples are not.
 RepairResult repair_take(const MarkerSequence& take, const RepairOptions& options = {},
                          const RunContext& ctx = {});

@@ -256,10 +256,10 @@ class SwapFinder {
   std::size_t wait_ = 0;
 };
 
-/// One exchange within the first frames: the few before it have the wrong labels, not the rest of
-/// the take.
-void mend_beginnings(std::vector<LabelSwap>& swaps) {
-  constexpr std::size_t first_frames = 10;
+/// One exchange within the first third of the take: the frames before it have the wrong labels, not
+/// the rest.
+void mend_beginnings(std::vector<LabelSwap>& swaps, std::size_t frames) {
+  const std::size_t first_frames = frames / 3;
   for (auto begin = swaps.begin(); begin != swaps.end();) {
     const auto end = begin + static_cast<std::ptrdiff_t>(begin->of - 1);
     const auto concerned = [&](std::size_t m) {
@@ -281,6 +281,12 @@ void mend_beginnings(std::vector<LabelSwap>& swaps) {
 
 }  // namespace
 
+std::size_t count_swaps(const std::vector<LabelSwap>& swaps) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < swaps.size(); i += std::max<std::size_t>(swaps[i].of, 2) - 1) ++count;
+  return count;
+}
+
 std::vector<LabelSwap> find_label_swaps(const MarkerSequence& take, const RunContext& ctx,
                                         std::vector<Jump>* jumps) {
   std::vector<std::size_t> columns;
@@ -290,7 +296,7 @@ std::vector<LabelSwap> find_label_swaps(const MarkerSequence& take, const RunCon
   if (columns.size() < 3) return {};  // nothing says where two markers should be
   SwapFinder finder(LocalMotion::of(take, columns), take.rate_hz);
   std::vector<LabelSwap> swaps = finder.run(ctx);
-  mend_beginnings(swaps);
+  mend_beginnings(swaps, take.frame_count());
   for (LabelSwap& s : swaps) {
     s.a = columns[s.a];
     s.b = columns[s.b];

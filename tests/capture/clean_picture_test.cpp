@@ -23,8 +23,27 @@ TEST(CleanPicture, ShowsGapsChangesUncertaintyAndTheHead) {
   EXPECT_NE(text.find("RMOU06: moved by 1"), std::string::npos);  // the exchange of labels
   EXPECT_NE(text.find("RCHN01: moved by 1"), std::string::npos);
   EXPECT_NE(text.find("estimated, uncertain by up to 0."), std::string::npos);
-  EXPECT_NE(text.find("Head before stabilising, motion per frame"), std::string::npos);
-  EXPECT_NE(text.find("Head after stabilising, error per frame"), std::string::npos);
+  EXPECT_NE(text.find("Head before stabilising, motion per frame (rigid markers, RMS)"),
+            std::string::npos);
+  EXPECT_NE(text.find("Head after stabilising, error per frame (rigid markers, RMS)"),
+            std::string::npos);
+}
+
+TEST(CleanPicture, ShowsNoStretchTwice) {
+  // A marker that was elsewhere for a while is taken out and filled: one chart says both.
+  MarkerSequence before = sample("anna_happy.c3d");
+  const std::size_t m = before.find("LCHK05");
+  EditList edits;
+  MarkerSequence after = before;
+  for (std::size_t f = 200; f < 240; ++f) before.position(f, m).x() += 40.0F;
+  after.add_uncertainty();
+  for (std::size_t f = 200; f < 240; ++f) {
+    after.flags()[after.sample(f, m)] = SampleFlag::valid | SampleFlag::filled;
+    after.uncertainty()[after.sample(f, m)] = 1.5F;
+  }
+  const std::string text = shown(draw_cleaning(before, after, edits, "a"));
+  EXPECT_NE(text.find("LCHK05: moved by 40.0"), std::string::npos);
+  EXPECT_EQ(text.find("LCHK05: estimated"), std::string::npos);
 }
 
 TEST(CleanPicture, WithoutStabilisingThereIsNoHead) {

@@ -165,6 +165,14 @@ TEST(Quality, TheVerdictFollowsFaultsOfLabelsAndPaths) {
   ASSERT_EQ(verdict_of(take), Verdict::fit) << quality_line(assess_take(take));
   const auto swapped = [&](double n) { return with_swaps(take, static_cast<std::size_t>(n)); };
   EXPECT_EQ(verdicts(swapped, {0, 1, 12}, "label swap"), "fcr");
+  // Labels that go round are one exchange, however many they are.
+  MarkerSequence round = take;
+  test::rotate_labels(
+      round, {take.find("LCHK04"), take.find("LCHK05"), take.find("LCHK06"), take.find("LCHK07")},
+      200, 260);
+  const std::string line = quality_line(assess_take(round));
+  EXPECT_NE(line.find("2 label swaps"), std::string::npos) << line;
+  EXPECT_EQ(verdict_of(round), Verdict::fit_after_cleaning);
   const auto spiky = [&](double share) { return test::with_spikes(take, share, 3).take; };
   EXPECT_EQ(verdicts(spiky, {0.001, 0.005, 0.03}, "spike"), "ccr");
   const auto noisy = [&](double sd) { return with_noise(take, sd); };

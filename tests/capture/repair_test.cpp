@@ -12,6 +12,7 @@
 #include "capture/session.h"
 #include "config/error.h"
 #include "tests/support/data.h"
+#include "tests/support/faults.h"
 #include "tests/support/sanitizers.h"
 #include "tests/support/shuffled_take.h"
 
@@ -116,16 +117,24 @@ TEST(Repair, MendsExchangesOfAFewFramesAndNothingAfterThem) {
   }
 }
 
+TEST(Repair, TheLabelsThatHoldForLongerAreRight) {
+  const MarkerSequence take = sample("ben_happy");
+  MarkerSequence broken = take;
+  test::rotate_labels(broken, {take.find("LMOU01"), take.find("LMOU02")}, 0, 100);
+  const RepairResult mended = repair_take(broken);
+  ASSERT_EQ(mended.swaps.size(), 1U);
+  EXPECT_EQ(mended.swaps[0].from, 0U);
+  EXPECT_EQ(mended.swaps[0].until, 100U);
+  ASSERT_EQ(mended.done.size(), 1U);
+  EXPECT_NE(mended.done[0].find("from frame 1 to 100"), std::string::npos) << mended.done[0];
+}
+
 TEST(Repair, AnExchangeInTheFirstFramesIsMendedThere) {
   const MarkerSequence take = sample("ben_happy");
   const std::size_t a = take.find("LMOU01");
   const std::size_t b = take.find("LMOU02");
   MarkerSequence broken = take;
-  for (std::size_t f = 0; f < 5; ++f) {
-    ASSERT_TRUE(take.valid(f, a) && take.valid(f, b));
-    broken.position(f, a) = take.position(f, b);
-    broken.position(f, b) = take.position(f, a);
-  }
+  test::rotate_labels(broken, {a, b}, 0, 5);
   const RepairResult mended = repair_take(broken);
   ASSERT_EQ(mended.swaps.size(), 1U);
   EXPECT_EQ(mended.swaps[0].from, 0U);
