@@ -36,6 +36,8 @@ ComposedMap::ComposedMap(const ClosedSurface& closed, const SurfaceSignals& sign
       images_(sphere_.size()),
       held_(sphere_.size(), 0),
       room_(mesh_, sphere_, held_),
+      own_values_(&signals.values),
+      rest_values_(&target.signals.values),
       shortest_(1e-3 / std::sqrt(static_cast<double>(closed.topology->face_count()))) {
   for (const VertexIndex v : mesh_.alive()) images_[v] = image_of(sphere_[v], invalid_index);
 }
@@ -87,6 +89,13 @@ void ComposedMap::set_weights(const Signal& weights, double distortion) {
   distortion_weight_ = distortion;
 }
 
+void ComposedMap::set_detail(double blur) {
+  const double edge = blur * std::sqrt(1.15 / static_cast<double>(mesh_.alive_count()));
+  own_values_ = &signals_.seen_by(edge);
+  rest_values_ = &target_.signals.seen_by(edge);
+  for (const VertexIndex v : mesh_.alive()) images_[v] = image_at(images_[v].place);
+}
+
 void ComposedMap::fit_rotation() {
   Eigen::Vector3d mean_a = Eigen::Vector3d::Zero(), mean_b = mean_a;
   double total = 0.0;
@@ -120,15 +129,16 @@ ComposedMap::Image ComposedMap::image_at(const SurfacePoint& place) const {
   image.position = w[0] * target_.signals.positions[face[0]] +
                    w[1] * target_.signals.positions[face[1]] +
                    w[2] * target_.signals.positions[face[2]];
-  image.signal = static_cast<float>(w[0]) * target_.signals.values[face[0]] +
-                 static_cast<float>(w[1]) * target_.signals.values[face[1]] +
-                 static_cast<float>(w[2]) * target_.signals.values[face[2]];
+  image.signal = static_cast<float>(w[0]) * (*rest_values_)[face[0]] +
+                 static_cast<float>(w[1]) * (*rest_values_)[face[1]] +
+                 static_cast<float>(w[2]) * (*rest_values_)[face[2]];
   return image;
 }
 
 Signal ComposedMap::own_signal(VertexIndex v) const {
-  Signal signal = signals_.values[v];
+  Signal signal = (*own_values_)[v];
   signal.head<3>() = turn_ * signal.head<3>();
+  signal.segment<3>(first_tangent) = turn_ * signal.segment<3>(first_tangent);
   return signal;
 }
 
@@ -273,8 +283,7 @@ ComposedMap::Slope ComposedMap::slope_at(VertexIndex v, const Eigen::Vector3d& p
   if (own_area_ > 0.0) {
     Eigen::Matrix<float, channels, 2> rates = Eigen::Matrix<float, channels, 2>::Zero();
     for (Eigen::Index k = 0; k < 3; ++k) {
-      rates +=
-          target_.signals.values[face[static_cast<std::size_t>(k)]] * weights.row(k).cast<float>();
+      rates += (*rest_values_)[face[static_cast<std::size_t>(k)]] * weights.row(k).cast<float>();
     }
     const Eigen::Matrix<float, channels, 2> weighed = weights_.asDiagonal() * rates;
     result.gradient -=

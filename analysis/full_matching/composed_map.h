@@ -46,7 +46,10 @@ class ComposedMap {
   bool complete() const { return mesh_.removed_count() == 0; }
 
   void set_weights(const Signal& weights, double distortion);
-  /// A rotation from A's to B's space, by which A's normals are turned before they are compared.
+  /// Compares signals as blurred as edges `blur` times as long as those of the present mesh are.
+  void set_detail(double blur);
+  /// A rotation from A's to B's space, by which A's normals and loops are turned before they are
+  /// compared.
   void fit_rotation();
   /// Moves each vertex that is not held; returns by how much the energy fell.
   double sweep();
@@ -100,6 +103,8 @@ class ComposedMap {
   std::vector<uint8_t> held_;
   spherical::RingRoom room_;
   Eigen::Matrix3f turn_ = Eigen::Matrix3f::Identity();
+  const std::vector<Signal>* own_values_;
+  const std::vector<Signal>* rest_values_;
   Signal weights_ = Signal::Zero();
   double distortion_weight_ = 1.0, shortest_ = 0.0;
   std::vector<Corner> corners_;

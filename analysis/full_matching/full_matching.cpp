@@ -22,15 +22,22 @@ using full_matching::compare_signals;
 using full_matching::ComposedMap;
 using full_matching::first_loop;
 using full_matching::first_strain;
+using full_matching::first_tangent;
 using full_matching::Signal;
 using full_matching::SignalPair;
 using full_matching::start_rotation;
 using full_matching::SurfaceSignals;
 using full_matching::Target;
 
-constexpr std::size_t coarse_vertices = 150;
-constexpr double growth = 1.7;  // of the vertices from level to level
-constexpr int coarse_sweeps = 40, level_sweeps = 4, final_sweeps = 8;
+constexpr std::size_t coarse_vertices = 500,
+                      with_landmarks = 150;  // of the coarsest mesh, at least
+constexpr double growth = 1.4;               // of the vertices from level to level
+// A sweep moves each vertex as its neighbours then lie: what is wrong on the whole surface takes
+// many to be mended, and they must not end early.
+constexpr int coarse_sweeps = 200, level_sweeps = 12, final_sweeps = 8;
+constexpr double at_rest = 1e-5;        // of the energy: a sweep that lowers it by less is the last
+constexpr double coarse_blur = 1.0;     // of signals while the mesh is coarse, in its edges
+constexpr double tangent_weight = 2.0;  // of the direction along loops
 constexpr int landmark_refinements = 4;
 constexpr double poor_agreement = 0.35;
 constexpr double most_lost = 0.15;  // of a surface, in holes of the other
@@ -106,15 +113,17 @@ Signal weights_of(const FullMatchingOptions& options, const SignalAgreement& agr
   weights.head<3>().setConstant(
       static_cast<float>(options.normal_weight * trust(agreement.normals)));
   weights.segment<2>(first_loop).setConstant(static_cast<float>(options.loop_weight));
+  weights.segment<3>(first_tangent).setConstant(static_cast<float>(tangent_weight));
   weights.tail<channels - first_strain>().setConstant(
       static_cast<float>(options.strain_weight * trust(agreement.strain)));
   return weights;
 }
 
 void sweep(ComposedMap& map, int most, const RunContext& ctx) {
+  const double little = at_rest * map.energy();
   for (int k = 0; k < most; ++k) {
     ctx.check_cancelled();
-    if (map.sweep() < 1e-3 * map.energy()) break;
+    if (map.sweep() < little) break;
     if (k % 8 == 7) map.fit_rotation();
   }
 }
@@ -122,6 +131,7 @@ void sweep(ComposedMap& map, int most, const RunContext& ctx) {
 /// From the coarse map to the finished one.
 void descend(ComposedMap& map, const SignalPair& pair, const FullMatchingOptions& options,
              const RunContext& ctx) {
+  map.set_detail(coarse_blur);
   map.fit_rotation();
   map.set_weights(weights_of(options, {1.0, 1.0, 1.0}), options.keep_shape);
   sweep(map, coarse_sweeps, ctx);
@@ -129,6 +139,7 @@ void descend(ComposedMap& map, const SignalPair& pair, const FullMatchingOptions
     map.fit_rotation();
     map.set_weights(weights_of(options, agreement_of(map, pair)), options.keep_shape);
     map.refine(static_cast<std::size_t>(growth * static_cast<double>(map.vertex_count())));
+    map.set_detail(coarse_blur);
     sweep(map, level_sweeps, ctx);
   }
   map.fit_rotation();
@@ -160,7 +171,8 @@ std::unique_ptr<ComposedMap> lay_over(const ClosedSurface& a, const SignalPair& 
   std::vector<std::size_t> fewest_away;
   std::size_t last = 0;
   for (const std::size_t times : {4, 8, 16, 2, 32}) {
-    const std::size_t count = std::max(coarse_vertices, times * anchors.size());
+    const std::size_t count =
+        anchors.empty() ? coarse_vertices : std::max(with_landmarks, times * anchors.size());
     if (count == last) continue;
     last = count;
     try {
