@@ -217,7 +217,11 @@ std::vector<double> feature_coverage(const FeatureSet& features, const Mesh& mes
   const GeodesicSolver solver(mesh);
   std::vector<double> count(mesh.positions.size(), 0.0);
   for (const Feature& f : features.features) {
-    if (f.vertex >= count.size() || mesh.topology->faces_of(f.vertex).empty()) continue;
+    // Displacement features have no scale, and so no region.
+    if (!(f.sigma_mm > 0.0) || f.vertex >= count.size() ||
+        mesh.topology->faces_of(f.vertex).empty()) {
+      continue;
+    }
     for (const auto& [v, distance] :
          solver.within(vertex_point(*mesh.topology, f.vertex), f.sigma_mm)) {
       count[v] += 1.0;

@@ -63,7 +63,8 @@ std::vector<RegionScore> compare_regions(const FeatureSet& features, const Mesh&
                                          std::span<const double> marked,
                                          std::span<const double> thresholds);
 
-/// Per vertex the number of features whose region holds it.
+/// Per vertex the number of features whose region holds it; those without a σ (of displacement)
+/// have none.
 std::vector<double> feature_coverage(const FeatureSet& features, const Mesh& mesh);
 
 }  // namespace kinemesh
