@@ -204,8 +204,28 @@ MarkerSequence crop_frames(const MarkerSequence& take, FrameRange frames) {
   return out;
 }
 
+namespace {
+
+/// Turned axes would put the second take elsewhere without a word.
+void refuse_other_axes(const Origin& first, const Origin& second) {
+  const auto said = [](const Origin& origin) {
+    return "x to " + std::string(trim(origin.x_screen)) + ", y to " +
+           std::string(trim(origin.y_screen));
+  };
+  const auto known = [](const Origin& origin) {
+    return !trim(origin.x_screen).empty() && !trim(origin.y_screen).empty();
+  };
+  if (!known(first) || !known(second) || said(first) == said(second)) return;
+  throw UsageError({.what = "takes whose axes lie differently on the screen (" + said(first) +
+                            "; " + said(second) + ") cannot be joined",
+                    .remedy = "Join before the step that turns the axes"});
+}
+
+}  // namespace
+
 MarkerSequence join_takes(const MarkerSequence& first, const MarkerSequence& second,
                           std::size_t pause, std::vector<std::string>* notes) {
+  refuse_other_axes(first.origin, second.origin);
   if (std::abs(first.rate_hz - second.rate_hz) > 1e-6 * first.rate_hz) {
     throw UsageError({.what = "takes of " + format_number(first.rate_hz) + " and " +
                               format_number(second.rate_hz) + " Hz cannot be joined",
@@ -222,6 +242,10 @@ MarkerSequence join_takes(const MarkerSequence& first, const MarkerSequence& sec
     const auto k = static_cast<std::size_t>(it - markers.begin());
     if (it == markers.end()) markers.push_back(m);
     column.push_back(k);
+  }
+  if (notes != nullptr && markers.size() > first.marker_count()) {
+    notes->push_back(count_of(markers.size() - first.marker_count(), "marker") +
+                     " of it had none of the same subject and label in the take");
   }
   const std::size_t shift = first.frame_count() + pause;
   MarkerSequence out = empty_like(first, shift + second.frame_count(), markers);

@@ -110,7 +110,10 @@ TEST(EditList, JoinPutsTakesBehindEachOther) {
   b.markers()[2].label = "extra";
   b.first_frame = 101;
   b.events = {{.label = "late", .time_s = 1.1}};  // tenth frame of b
-  const MarkerSequence out = join_takes(a, b, 10);
+  std::vector<std::string> notes;
+  const MarkerSequence out = join_takes(a, b, 10, &notes);
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_EQ(notes[0], "1 marker of it had none of the same subject and label in the take");
   ASSERT_EQ(out.frame_count(), 90U);
   ASSERT_EQ(out.marker_count(), 4U);
   EXPECT_EQ(out.position(50, 1), b.position(0, 1));
@@ -122,6 +125,18 @@ TEST(EditList, JoinPutsTakesBehindEachOther) {
   EXPECT_NEAR(out.events.back().time_s, 0.6, 1e-12);
   b.rate_hz = 60.0;
   EXPECT_THROW(join_takes(a, b, 0), UsageError);
+}
+
+TEST(EditList, TakesWithOtherAxesAreNotJoined) {
+  MarkerSequence a = small_take();
+  MarkerSequence b = small_take();
+  a.origin.x_screen = b.origin.x_screen = "+X";
+  a.origin.y_screen = "+Y";
+  EXPECT_EQ(join_takes(a, b, 0).frame_count(), 80U);  // the second does not say
+  b.origin.y_screen = "+Z";
+  EXPECT_THROW(join_takes(a, b, 0), UsageError);
+  b.origin.y_screen = "+Y ";
+  EXPECT_EQ(join_takes(a, b, 0).frame_count(), 80U);
 }
 
 TEST(EditList, ResampleFollowsTheMotion) {
