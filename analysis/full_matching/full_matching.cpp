@@ -35,7 +35,7 @@ constexpr double growth = 1.4;               // of the vertices from level to le
 // A sweep moves each vertex as its neighbours then lie: what is wrong on the whole surface takes
 // many to be mended, and they must not end early.
 constexpr int coarse_sweeps = 200, level_sweeps = 12, final_sweeps = 8;
-constexpr double at_rest = 1e-5;        // of the energy: a sweep that lowers it by less is the last
+constexpr double settled = 1e-5;        // of the energy: a sweep that lowers it by less is the last
 constexpr double coarse_blur = 1.0;     // of signals while the mesh is coarse, in its edges
 constexpr double tangent_weight = 2.0;  // of the direction along loops
 constexpr int landmark_refinements = 4;
@@ -120,7 +120,7 @@ Signal weights_of(const FullMatchingOptions& options, const SignalAgreement& agr
 }
 
 void sweep(ComposedMap& map, int most, const RunContext& ctx) {
-  const double little = at_rest * map.energy();
+  const double little = settled * map.energy();
   for (int k = 0; k < most; ++k) {
     ctx.check_cancelled();
     if (map.sweep() < little) break;
