@@ -140,10 +140,11 @@ Eigen::MatrixXd without_trend(Eigen::MatrixXd moved) {
   }
   for (Eigen::Index k = 0; k < moved.rows(); ++k) {
     for (Eigen::Index c = 0; c < 3; ++c) {
-      auto series = moved.row(k)(Eigen::seqN(c, frames, 3));
+      using EveryThird = Eigen::Map<Eigen::VectorXd, Eigen::Unaligned, Eigen::InnerStride<>>;
+      EveryThird series(&moved(k, c), frames, Eigen::InnerStride<>(3 * moved.rows()));
       for (Eigen::Index b = 0; b < (frames > 1 ? 2 : 1); ++b) {
         const double share = series.dot(basis.col(b)) / basis.col(b).squaredNorm();
-        series -= share * basis.col(b).transpose();
+        series -= share * basis.col(b);
       }
     }
   }
