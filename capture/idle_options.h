@@ -6,26 +6,10 @@
 #include <string_view>
 #include <vector>
 
+#include "config/changed_parameters.h"
 #include "config/error.h"
-#include "config/parameter.h"
-#include "config/text.h"
 
 namespace kinemesh {
-
-/// Names of the parameters that differ from their default.
-template <class Options>
-std::vector<std::string> changed_parameters(const Options& options, const Options& plain = {}) {
-  Options copy = options;
-  Options standard = plain;
-  ParameterSet given, defaults;
-  copy.declare(given);
-  standard.declare(defaults);
-  std::vector<std::string> names;
-  for (const Parameter& p : given.parameters()) {
-    if (p.get() != defaults.find(p.name())->get()) names.push_back(p.name());
-  }
-  return names;
-}
 
 /// Throws UsageError when one of `names` is among those `changed`: it would do nothing `because`.
 inline void refuse_idle(const std::vector<std::string>& changed,

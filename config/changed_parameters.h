@@ -8,19 +8,27 @@
 
 namespace kinemesh {
 
-/// "--budget", …: the parameters whose values in `options` are not the standard ones.
+/// Names ("budget", …) of the parameters whose values in `options` are not those in `plain`.
 template <class Options>
-std::vector<std::string> changed_parameters(Options options) {
-  Options standard;
-  ParameterSet given_set, standard_set;
-  options.declare(given_set);
-  standard.declare(standard_set);
+std::vector<std::string> changed_parameters(const Options& options, const Options& plain = {}) {
+  Options copy = options;
+  Options standard = plain;
+  ParameterSet given, defaults;
+  copy.declare(given);
+  standard.declare(defaults);
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < given_set.parameters().size(); ++i) {
-    const Parameter& p = given_set.parameters()[i];
-    if (p.get() != standard_set.parameters()[i].get()) names.push_back("--" + p.name());
+  for (const Parameter& p : given.parameters()) {
+    if (p.get() != defaults.find(p.name())->get()) names.push_back(p.name());
   }
   return names;
+}
+
+/// The same as a user gives them: "--budget", ….
+template <class Options>
+std::vector<std::string> changed_options(const Options& options, const Options& plain = {}) {
+  std::vector<std::string> words = changed_parameters(options, plain);
+  for (std::string& word : words) word.insert(0, "--");
+  return words;
 }
 
 }  // namespace kinemesh

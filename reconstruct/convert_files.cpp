@@ -178,7 +178,7 @@ void refuse_session_options(const ConvertFilesOptions& options, const std::strin
   given.anonymous = standard.anonymous;
   given.pictures = standard.pictures;  // there are none in any case
   given.report = standard.report;
-  const std::vector<std::string> names = changed_parameters(given);
+  const std::vector<std::string> names = changed_options(given);
   if (names.empty()) return;
   throw UsageError({.what = mesh + " is a mesh: " + join(names, ", ", " and ") +
                             (names.size() > 1 ? " are" : " is") + " for sessions",

@@ -41,8 +41,7 @@ bool is_c3d(const fs::path& path) { return lower(path.extension().string()) == "
 /// A list of edits is all that is done: beside it, an option of cleaning would be ignored.
 void refuse_beside_edits(const Arguments& args) {
   if (args.edits.empty()) return;
-  std::vector<std::string> idle;
-  for (const std::string& name : changed_parameters(args.clean)) idle.push_back("--" + name);
+  std::vector<std::string> idle = changed_options(args.clean);
   if (!args.record.empty()) idle.emplace_back("--record");
   if (idle.empty()) return;
   throw UsageError({.what = "--edits applies its steps and nothing else: " + join(idle, ", ") +

@@ -223,7 +223,7 @@ void note_unused_options(const Format& format, const WriteOptions& options, Writ
   if (format.name == "glb" || format.name == "gltf") return;
   GltfOptions given = options.gltf;
   given.up = GltfUp::automatic;  // a session may set it
-  const std::vector<std::string> unused = changed_parameters(given);
+  const std::vector<std::string> unused = changed_options(given);
   if (unused.empty()) return;
   result.report.notes.push_back(join(unused, ", ", " and ") +
                                 (unused.size() == 1 ? " is" : " are") +
