@@ -1,6 +1,7 @@
 #include "capture/filter.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -46,27 +47,83 @@ std::vector<double> coordinate(const MarkerSequence& take, std::size_t marker, F
 /// What filtering one marker did.
 struct MarkerTally {
   double cutoff_hz = std::numeric_limits<double>::quiet_NaN();
+  double noise_mm = 0.0;  ///< standard deviation, 3D
   double squares = 0.0;
   std::size_t samples = 0, runs = 0, short_runs = 0;
 };
 
-double cutoff_for(const MarkerSequence& take, std::size_t marker,
-                  const std::vector<FrameRange>& runs, const FilterOptions& options) {
-  if (options.cutoff_hz > 0.0) return options.cutoff_hz;
-  std::vector<std::vector<double>> series;
-  for (const FrameRange run : runs) {
-    for (Eigen::Index axis = 0; axis < 3; ++axis) {
-      series.push_back(coordinate(take, marker, run, axis));
+/// Per axis the runs' values.
+using Coordinates = std::array<std::vector<std::vector<double>>, 3>;
+
+/// Standard deviation of what changes from sample to sample: the fourth difference of equidistant
+/// samples, which motion hardly has, by its median.
+double noise_of(std::span<const std::vector<double>> runs) {
+  std::vector<double> sizes;
+  for (const std::vector<double>& x : runs) {
+    for (std::size_t i = 4; i < x.size(); ++i) {
+      sizes.push_back(std::abs(x[i - 4] - 4.0 * x[i - 3] + 6.0 * x[i - 2] - 4.0 * x[i - 1] + x[i]));
     }
   }
-  return suggest_cutoff(series, take.rate_hz, options.order);
+  if (sizes.empty()) return 0.0;
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::ranges::nth_element(sizes, middle);
+  constexpr double of_normal = 0.67448975;  // the median
+  constexpr double gain = 70.0;             // 1² + 4² + 6² + 4² + 1²
+  return *middle / of_normal / std::sqrt(gain);
+}
+
+/// The largest RMS, over stretches of a quarter of a second, of what a cut-off takes away.
+double worst_stretch(std::span<const std::vector<double>> runs, double rate_hz, int order,
+                     double cutoff_hz) {
+  constexpr double stretch_s = 0.25;
+  const auto length = static_cast<std::size_t>(std::max(5.0, std::round(stretch_s * rate_hz)));
+  const auto sections = filter::butterworth_sections(order, cutoff_hz, rate_hz);
+  double worst = 0.0;
+  for (const std::vector<double>& run : runs) {
+    std::vector<double> smooth = run;
+    filter::filter_both_ways(sections, order, smooth);
+    double squares = 0.0;
+    const auto removed = [&](std::size_t i) { return std::pow(run[i] - smooth[i], 2); };
+    for (std::size_t i = 0; i < run.size(); ++i) {
+      squares += removed(i);
+      if (i >= length) squares -= removed(i - length);
+      if (i + 1 >= length) worst = std::max(worst, squares / static_cast<double>(length));
+    }
+  }
+  return std::sqrt(std::max(0.0, worst));
+}
+
+/// What residual analysis suggests rests on the whole take, in which a blink weighs nothing. It is
+/// raised until no quarter of a second loses more than noise.
+double cutoff_for(const Coordinates& series, double rate_hz, const FilterOptions& options) {
+  constexpr double most = 2.0;  // × the noise: its own RMS over such a stretch reaches 1.7
+  constexpr double step = 1.1;
+  if (options.cutoff_hz > 0.0) return options.cutoff_hz;
+  std::vector<std::vector<double>> all;
+  for (const auto& axis : series) all.insert(all.end(), axis.begin(), axis.end());
+  double cutoff = suggest_cutoff(all, rate_hz, options.order);
+  const double highest = highest_share * rate_hz;
+  for (const auto& axis : series) {
+    const double accepted = most * noise_of(axis);
+    while (cutoff < highest && worst_stretch(axis, rate_hz, options.order, cutoff) > accepted) {
+      cutoff = std::min(highest, cutoff * step);
+    }
+  }
+  return cutoff;
 }
 
 MarkerTally filter_marker(MarkerSequence& take, std::size_t marker, FilterOptions options) {
   MarkerTally tally;
   const std::vector<FrameRange> runs = runs_of(take, marker);
+  Coordinates series;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (const FrameRange run : runs) {
+      series[axis].push_back(coordinate(take, marker, run, static_cast<Eigen::Index>(axis)));
+    }
+    tally.noise_mm = std::hypot(tally.noise_mm, noise_of(series[axis]));
+  }
   if (options.method == FilterMethod::butterworth && !runs.empty()) {
-    options.cutoff_hz = cutoff_for(take, marker, runs, options);
+    options.cutoff_hz = cutoff_for(series, take.rate_hz, options);
     tally.cutoff_hz = options.cutoff_hz;
   }
   for (const FrameRange run : runs) {
@@ -87,6 +144,31 @@ MarkerTally filter_marker(MarkerSequence& take, std::size_t marker, FilterOption
     }
   }
   return tally;
+}
+
+/// Names the markers whose samples moved by more than noise explains.
+void warn_of_lost_motion(const MarkerSequence& take, const std::vector<MarkerTally>& tallies,
+                         FilterResult& result, const RunContext& ctx) {
+  constexpr double clearly = 1.5;
+  constexpr double least_mm = 0.05;  // of all three coordinates; below, nothing visible is lost
+  std::vector<std::pair<double, std::size_t>> lost;
+  for (std::size_t m = 0; m < tallies.size(); ++m) {
+    const MarkerTally& t = tallies[m];
+    if (t.samples == 0) continue;
+    const double change = std::sqrt(t.squares / static_cast<double>(t.samples));
+    if (change > std::max(least_mm, clearly * t.noise_mm)) {
+      lost.emplace_back(change, m);
+    }
+  }
+  if (lost.empty()) return;
+  const auto& [change, worst] = *std::ranges::max_element(lost);
+  result.warnings.push_back(
+      "Smoothing moved " + count_of(lost.size(), "marker") +
+      " by more than noise explains, most of all " + take.markers()[worst].label + " (" +
+      format_fixed(change, 2) + " mm RMS, noise " + format_fixed(tallies[worst].noise_mm, 2) +
+      " mm): fast motion such as a blink is lost with it. Smooth less (a higher --cutoff, a "
+      "shorter --window).");
+  ctx.warn(result.warnings.back());
 }
 
 /// RMS of what a cut-off takes away.
@@ -255,6 +337,7 @@ FilterResult filter_take(const MarkerSequence& take, const FilterOptions& option
     samples += t.samples;
   }
   if (samples > 0) result.rms_change_mm = std::sqrt(squares / static_cast<double>(samples));
+  warn_of_lost_motion(take, tallies, result, ctx);
   if (result.short_runs > 0) {
     result.warnings.push_back(count_of(result.short_runs, "run") +
                               " of one or two samples between gaps were not smoothed.");

@@ -49,6 +49,28 @@ void warn_of_lost(const MarkerSequence& take, GapFillResult& result, const RunCo
            "): there will be nothing in their place. If the region matters, repeat the take.");
 }
 
+/// A few samples do not show how a marker moves.
+void warn_of_scarce(const MarkerSequence& take, const Trajectories& trajectories,
+                    GapFillResult& result, const RunContext& ctx) {
+  constexpr std::size_t most = 8;  // names in the message
+  std::vector<std::string> labels;
+  for (std::size_t m = 0; m < take.marker_count(); ++m) {
+    const std::size_t count = trajectories.measured_count(m);
+    if (count > 0 && 10 * count < take.frame_count()) labels.push_back(take.markers()[m].label);
+  }
+  if (labels.empty()) return;
+  const std::string who = count_of(labels.size(), "marker was", "markers were");
+  if (labels.size() > most) {
+    labels.resize(most);
+    labels.emplace_back("…");
+  }
+  warn(result, ctx,
+       who + " measured in less than 10 % of the frames (" + join(labels, ", ") +
+           "): what is filled there follows their neighbours and may be off by centimetres where "
+           "the face does what it does not in those frames. If the region matters, repeat the "
+           "take.");
+}
+
 /// A person who limits the length of gaps expects longer ones to stay open.
 void warn_of_idle_limit(const GapFillOptions& options, GapFillResult& result,
                         const RunContext& ctx) {
@@ -145,6 +167,7 @@ GapFillResult fill_gaps(const MarkerSequence& take, const GapFillOptions& option
     for (const FrameRange frames : trajectories.gaps(m)) gaps.push_back({m, frames});
   }
   warn_of_lost(take, result, ctx);
+  warn_of_scarce(take, trajectories, result, ctx);
   warn_of_idle_limit(options, result, ctx);
   if (gaps.empty()) return result;
   result.take.add_uncertainty();

@@ -121,10 +121,7 @@ void look_at_head(const MarkerSequence& take, const std::vector<std::size_t>& co
   }
   head.known = true;
   head.error_mm = steady.rms_error_mm;
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& p : steady.shape.positions) {
-    centre += p / static_cast<double>(steady.shape.positions.size());
-  }
+  const Eigen::Vector3d centre = steady.shape.centre();
   for (const std::size_t m : steady.shape.markers) head.markers.push_back(body.markers()[m].label);
   std::vector<double> speeds;
   Eigen::Vector3d before = centre;

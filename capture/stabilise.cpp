@@ -62,21 +62,46 @@ void update_shape(const std::vector<Observed>& frames, const std::vector<HeadPos
       squares += (p - shape.positions[k]).squaredNorm();
       seen += 1.0;
     }
-    if (seen == 0.0) continue;
+    if (seen == 0.0 || shape.weights[k] == 0.0) continue;
     shape.positions[k] = sum / seen;
     variances[k] = squares / seen;
     shape.residuals_mm[k] = std::sqrt(variances[k]);
   }
-  std::vector<double> sorted = variances;
+  std::vector<double> sorted;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (shape.weights[k] > 0.0) sorted.push_back(variances[k]);
+  }
   std::ranges::sort(sorted);
-  const double median = sorted[count / 2];
+  const double median = sorted[sorted.size() / 2];
   if (median <= 0.0) return;
   double total = 0.0;
   for (std::size_t k = 0; k < count; ++k) {
-    shape.weights[k] = 1.0 / (variances[k] + median);
+    if (shape.weights[k] > 0.0) shape.weights[k] = 1.0 / (variances[k] + median);
     total += shape.weights[k];
   }
-  for (double& w : shape.weights) w *= static_cast<double>(count) / total;
+  for (double& w : shape.weights) w *= static_cast<double>(sorted.size()) / total;
+}
+
+/// Gives a place to the markers that have none yet (weight 0) and are seen in a frame whose pose
+/// is known: the mean over these frames. False when there is no such marker.
+bool place_more(const std::vector<Observed>& frames, const std::vector<HeadPose>& poses,
+                RigidShape& shape) {
+  bool placed = false;
+  for (std::size_t k = 0; k < shape.markers.size(); ++k) {
+    if (shape.weights[k] > 0.0) continue;
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    double seen = 0.0;
+    for (std::size_t f = 0; f < frames.size(); ++f) {
+      if (!frames[f].visible[k] || poses[f].interpolated) continue;
+      sum += poses[f].to_head(frames[f].positions[k]);
+      seen += 1.0;
+    }
+    if (seen == 0.0) continue;
+    shape.positions[k] = sum / seen;
+    shape.weights[k] = 1.0;
+    placed = true;
+  }
+  return placed;
 }
 
 std::size_t choose_reference(const std::vector<Observed>& frames, const MarkerSequence& take,
@@ -126,28 +151,41 @@ void interpolate(const Eigen::Vector3d& centre, std::vector<HeadPose>& poses) {
   }
 }
 
-/// The shape as it stands in the frame with most markers, and the poses by these; markers missing
-/// there join once poses are known.
+/// The shape as it stands in this frame: a marker that is not seen in it has weight 0.
+void take_shape_of(const Observed& frame, RigidShape& shape) {
+  shape.positions = frame.positions;
+  shape.weights.clear();
+  for (const bool seen : frame.visible) shape.weights.push_back(seen ? 1.0 : 0.0);
+}
+
+/// The shape as it stands in the frame with most markers (not on one line), and the poses by
+/// these; markers missing there join, round by round, from frames whose poses are known by then.
 void start_shape(const std::vector<Observed>& frames, RigidShape& shape, const RunContext& ctx,
                  std::vector<HeadPose>& poses) {
-  const Observed& start = *std::ranges::max_element(frames, {}, &Observed::count);
-  shape.positions = start.positions;
-  shape.weights.assign(shape.markers.size(), 1.0);
-  shape.residuals_mm.assign(shape.markers.size(), 0.0);
-  std::vector<Observed> usable = frames;
-  for (Observed& frame : usable) {
-    for (std::size_t k = 0; k < shape.markers.size(); ++k) {
-      if (!start.visible[k]) frame.visible[k] = false;
-    }
+  const Observed* start = &frames.front();
+  for (const Observed& frame : frames) {
+    if (frame.count <= start->count && &frame != start) continue;
+    take_shape_of(frame, shape);
+    if (!fit_pose(shape, frame.positions, frame.visible).interpolated) start = &frame;
   }
-  fit_all(usable, shape, ctx, poses);
+  take_shape_of(*start, shape);
+  shape.residuals_mm.assign(shape.markers.size(), 0.0);
+  do {
+    ctx.check_cancelled();
+    fit_all(frames, shape, ctx, poses);
+  } while (place_more(frames, poses, shape));
 }
 
 /// Head coordinates become those of the recording in the reference frame.
 void rest_on_reference(StabiliseResult& result) {
   const HeadPose reference = result.poses[result.reference_frame];
-  for (Eigen::Vector3d& p : result.shape.positions) {
+  for (std::size_t k = 0; k < result.shape.markers.size(); ++k) {
+    Eigen::Vector3d& p = result.shape.positions[k];
     p = reference.rotation * p + reference.translation;
+    if (result.shape.weights[k] == 0.0) {
+      p.setConstant(std::numeric_limits<double>::quiet_NaN());
+      result.shape.residuals_mm[k] = std::numeric_limits<double>::quiet_NaN();
+    }
   }
   for (HeadPose& pose : result.poses) {
     pose.rotation = pose.rotation * reference.rotation.transpose();
@@ -199,6 +237,17 @@ void summarise(StabiliseResult& result, const RunContext& ctx) {
                               " with fewer than three usable rigid markers.");
     ctx.warn(result.warnings.back());
   }
+  std::vector<std::string> left_out;
+  for (std::size_t k = 0; k < result.shape.markers.size(); ++k) {
+    const std::size_t m = result.shape.markers[k];
+    if (result.shape.weights[k] == 0.0) left_out.push_back(result.take.markers()[m].label);
+  }
+  if (left_out.empty()) return;
+  result.warnings.push_back(
+      "Left out of the head's pose, because never seen together with three "
+      "others whose places on the head are known: " +
+      join(left_out, ", ", " and ") + ".");
+  ctx.warn(result.warnings.back());
 }
 
 /// Some markers always change their distances least; a skull is told by how little they do.
@@ -268,13 +317,24 @@ void StabiliseOptions::declare(ParameterSet& p) {
             .help = "frame whose head position is kept; 0 for the first with all rigid markers"});
 }
 
+Eigen::Vector3d RigidShape::centre() const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double count = 0.0;
+  for (std::size_t k = 0; k < markers.size(); ++k) {
+    if (weights[k] == 0.0) continue;
+    sum += positions[k];
+    count += 1.0;
+  }
+  return sum / count;
+}
+
 HeadPose fit_pose(const RigidShape& shape, std::span<const Eigen::Vector3d> measured_positions,
                   const std::vector<bool>& visible) {
   std::vector<Eigen::Vector3d> from;
   std::vector<Eigen::Vector3d> to;
   std::vector<double> weights;
   for (std::size_t k = 0; k < shape.markers.size(); ++k) {
-    if (!visible[k]) continue;
+    if (!visible[k] || shape.weights[k] == 0.0) continue;
     from.push_back(shape.positions[k]);
     to.push_back(measured_positions[k]);
     weights.push_back(shape.weights[k]);
@@ -327,9 +387,7 @@ StabiliseResult stabilise_head(const MarkerSequence& take, std::span<const std::
     update_shape(frames, result.poses, shape);
   }
   fit_all(frames, shape, ctx, result.poses);
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& p : shape.positions) centre += p / static_cast<double>(rigid.size());
-  interpolate(centre, result.poses);
+  interpolate(shape.centre(), result.poses);
   rest_on_reference(result);
   result.take = take;
   move_to_head(result.poses, result.take);

@@ -20,7 +20,7 @@ struct HeadPose {
   /// From the head's own coordinates (those of the reference frame) to the recording's.
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();  ///< mm
-  std::size_t visible = 0;                                ///< rigid markers measured in this frame
+  std::size_t visible = 0;    ///< rigid markers of known place measured in this frame
   bool interpolated = false;  ///< too few were, or they stood on one line: between other frames
   double error_mm = 0.0;      ///< RMS distance of the measured rigid markers from the mean shape;
                               ///< of an interpolated pose: NaN
@@ -34,8 +34,11 @@ struct HeadPose {
 struct RigidShape {
   std::vector<std::size_t> markers;        ///< indices into markers()
   std::vector<Eigen::Vector3d> positions;  ///< mm, head coordinates
-  std::vector<double> weights;             ///< of the least squares; the mean is 1
-  std::vector<double> residuals_mm;        ///< RMS distance over the take, 3D
+  std::vector<double> weights;  ///< of the least squares; the mean is 1. 0: never seen together
+                                ///< with enough others, its place is not known (NaN)
+  std::vector<double> residuals_mm;  ///< RMS distance over the take, 3D
+
+  Eigen::Vector3d centre() const;  ///< mean of the markers that have a place
 };
 
 /// The pose of one frame by weighted least squares over the visible markers of the shape:
@@ -71,6 +74,8 @@ struct StabiliseResult {
 
 /// Mean shape and poses by alternating least squares (generalised Procrustes analysis); a marker
 /// that fits worse than the others counts less (weight 1 / (its variance + the median variance)).
+/// The start is the frame that shows most of them; the others get their places from frames whose
+/// poses are known, round by round, and are left out, with a warning, when there are none.
 /// Filled samples are not used as rigid. Poses between are interpolated (spherically, linearly at
 /// the head's centre), at the ends held.
 /// Throws UsageError for a name or frame that does not exist and NoResultError when no frame has

@@ -1,9 +1,11 @@
 // rename, swap, delete, move, unite-twins: which samples belong to which marker.
 #include <algorithm>
+#include <cmath>
 
 #include "capture/edit/operation.h"
 #include "capture/edit/timeline.h"
 #include "capture/formats/table_text.h"
+#include "capture/repair/local_motion.h"
 #include "config/error.h"
 #include "config/text.h"
 
@@ -217,7 +219,7 @@ class UniteTwins : public EditOperation {
       take.markers()[m].label = free_label(take, take.markers()[m]);
       kept.push_back(m);
       done.push_back("renamed the second " + label + " to " + take.markers()[m].label +
-                     ", because it is elsewhere than the first in the same frames");
+                     ", because it is elsewhere than the first");
     }
     if (kept.size() < take.marker_count()) drop_columns(take, kept);
     return done.empty() ? "no marker exists twice" : join(done, "; ");
@@ -238,13 +240,44 @@ class UniteTwins : public EditOperation {
     return MarkerSequence::npos;
   }
 
-  /// True when both are one: nowhere apart in the same frame. `b`'s samples then are `a`'s, too.
+  /// True when, wherever one of the two ends and the other goes on, this is where the neighbours
+  /// carry the last sample to; no farther off than what passes for a jump.
+  static bool hand_over(const MarkerSequence& take, std::size_t a, std::size_t b) {
+    constexpr double alone_mm = 5.0;  // nothing near says more
+    std::vector<std::size_t> columns{a};
+    for (std::size_t m = 0; m < take.marker_count(); ++m) {
+      const bool other = m != a && m != b && take.markers()[m].kind == MarkerKind::marker;
+      if (other) columns.push_back(m);
+    }
+    const auto motion = repair::LocalMotion::of(take, columns);
+    double limit = repair::least_jump(motion, 0);
+    if (!std::isfinite(limit)) limit = alone_mm;
+    std::size_t last = take.frame_count();  // frame of the last sample, and whose it is
+    std::size_t whose = a;
+    for (std::size_t f = 0; f < take.frame_count(); ++f) {
+      const bool of_a = take.valid(f, a);
+      if (!of_a && !take.valid(f, b)) continue;
+      const std::size_t now = of_a && (whose == a || !take.valid(f, b)) ? a : b;
+      if (last < f && now != whose) {
+        const Eigen::Vector3d left = take.position(last, whose).cast<double>();
+        const Eigen::Vector3d next = take.position(f, now).cast<double>();
+        if (!((motion.carried(0, left, last, f) - next).norm() < limit)) return false;
+      }
+      last = f;
+      whose = now;
+    }
+    return true;
+  }
+
+  /// True when both are one: nowhere apart in the same frame, and one goes on where the other ends.
+  /// `b`'s samples then are `a`'s, too.
   static bool unite(MarkerSequence& take, std::size_t a, std::size_t b) {
     constexpr float apart_mm = 1.0F;
     for (std::size_t f = 0; f < take.frame_count(); ++f) {
       if (!take.valid(f, a) || !take.valid(f, b)) continue;
       if (!((take.position(f, a) - take.position(f, b)).norm() < apart_mm)) return false;
     }
+    if (!hand_over(take, a, b)) return false;
     for (std::size_t f = 0; f < take.frame_count(); ++f) {
       if (take.valid(f, b) && !take.valid(f, a)) {
         copy_sample(take, take.sample(f, b), take, take.sample(f, a));

@@ -1,7 +1,7 @@
 #include "capture/edit/operation.h"
 
+#include "capture/marker_name.h"
 #include "config/error.h"
-#include "config/text.h"
 
 namespace kinemesh {
 
@@ -20,15 +20,7 @@ std::shared_ptr<EditOperation> make_operation(std::string_view name) {
 }
 
 std::size_t marker_named(const MarkerSequence& take, const std::string& label) {
-  const std::size_t found = take.find(label);
-  if (found != MarkerSequence::npos) return found;
-  std::vector<std::string> labels;
-  for (const Marker& m : take.markers()) labels.push_back(m.label);
-  const std::string near = nearest_word(label, labels);
-  throw UsageError({.what = "the take has no marker '" + label + "'",
-                    .marker = label,
-                    .remedy = near.empty() ? "See the labels with \"kinemesh c3d info\""
-                                           : "Did you mean '" + near + "'?"});
+  return marker_meant(take.markers(), label, "the step names");
 }
 
 FrameSpan frames_between(const MarkerSequence& take, int64_t from, int64_t to) {

@@ -49,7 +49,7 @@ std::shared_ptr<EditOperation> make_stage_operation(std::string_view name);
 
 // ---- what they share ----------------------------------------------------------------------------
 
-/// The marker with this label. Throws UsageError naming the nearest one.
+/// The marker with this label (marker_meant()).
 std::size_t marker_named(const MarkerSequence& take, const std::string& label);
 
 struct FrameSpan {

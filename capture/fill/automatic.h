@@ -21,6 +21,7 @@ class Automatic {
   explicit Automatic(const Trajectories& take, const AutomaticOptions& options = {});
   /// Always gives an estimate, with its uncertainty, for a marker that is measured at least once.
   Estimate fill(const GapAt& gap) const;
+  const Trajectories& rough() const { return rough_; }  ///< fill_roughly() of the take
 
  private:
   const Trajectories& take_;

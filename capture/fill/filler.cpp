@@ -5,9 +5,9 @@
 #include "capture/fill/companions.h"
 #include "capture/fill/left_out.h"
 #include "capture/fill/pca.h"
+#include "capture/fill/scarce.h"
 #include "capture/fill/spline.h"
-#include "config/error.h"
-#include "config/text.h"
+#include "capture/marker_name.h"
 
 namespace kinemesh::fill {
 namespace {
@@ -30,27 +30,15 @@ Filler::Filler(const std::vector<Marker>& markers, const Trajectories& trajector
     : take_(trajectories), method_(options.method), fill_rest_(options.fill_rest) {
   max_gap_ =
       static_cast<std::size_t>(std::floor(options.max_gap_s * trajectories.rate_hz() + 1e-6));
-  if (!options.donor.empty()) donor_ = marker_named(markers, options.donor, "donor");
+  if (!options.donor.empty()) donor_ = marker_meant(markers, options.donor, "--donor names");
   for (const std::string& label : options.companions) {
-    companions_.push_back(marker_named(markers, label, "companion"));
+    companions_.push_back(marker_meant(markers, label, "--companion names"));
   }
   if (fill_rest_ || method_ == FillMethod::automatic) {
     automatic_.emplace(trajectories, AutomaticOptions{.fast = is_fast(trajectories, options)});
+  } else {
+    rough_.emplace(fill_roughly(trajectories));
   }
-}
-
-std::size_t Filler::marker_named(const std::vector<Marker>& markers, const std::string& label,
-                                 const char* parameter) const {
-  std::vector<std::string> labels;
-  for (std::size_t m = 0; m < markers.size(); ++m) {
-    if (markers[m].label == label || markers[m].subject + ":" + markers[m].label == label) return m;
-    labels.push_back(markers[m].label);
-  }
-  const std::string near = nearest_word(label, labels);
-  throw UsageError(
-      {.what = "--" + std::string(parameter) + " names no marker of the take: \"" + label + "\"",
-       .remedy = near.empty() ? "See the labels with \"kinemesh c3d info\""
-                              : "Did you mean \"" + near + "\"?"});
 }
 
 std::optional<Estimate> Filler::by_method(const GapAt& gap) const {
@@ -87,6 +75,9 @@ Filled Filler::fill(const GapAt& gap) const {
         take_, gap, [this](const GapAt& at) { return by_method(at); }, *out.estimate);
   } else if (automatic_) {
     out = {automatic_->fill(gap), FillMethod::automatic};
+  }
+  if (out.estimate && is_scarce(take_, gap.marker)) {
+    raise_sd_of_scarce(take_, automatic_ ? automatic_->rough() : *rough_, gap, *out.estimate);
   }
   return out;
 }

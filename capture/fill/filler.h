@@ -25,8 +25,6 @@ class Filler {
 
  private:
   std::optional<Estimate> by_method(const GapAt& gap) const;
-  std::size_t marker_named(const std::vector<Marker>& markers, const std::string& label,
-                           const char* parameter) const;
 
   const Trajectories& take_;
   FillMethod method_;
@@ -35,6 +33,7 @@ class Filler {
   std::optional<std::size_t> donor_;
   std::vector<std::size_t> companions_;
   std::optional<Automatic> automatic_;
+  std::optional<Trajectories> rough_;  // where there is no automatic_ that has it
 };
 
 }  // namespace kinemesh::fill

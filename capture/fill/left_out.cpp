@@ -62,7 +62,8 @@ void set_sd_from_left_out(const Trajectories& take, const GapAt& gap, const Meth
   const bool inside = gap.frames.begin > 0 && gap.frames.end < take.frames();
   if (walked == 0.0) {  // nowhere to measure: no better known than the marker's range of motion
     constexpr double unknown_mm = 10.0;
-    const bool moving = take.measured_count(gap.marker) > 1;
+    constexpr std::size_t least = 8;  // samples; fewer show one moment of it, no range
+    const bool moving = take.measured_count(gap.marker) >= least;
     estimate.sd.assign(length, moving ? own_spread(take, gap.marker) : unknown_mm);
     return;
   }

@@ -263,6 +263,41 @@ TEST(EditList, TwinsStayApartWhenTakesAreJoined) {
   }
 }
 
+TEST(EditList, TwinsAreOneOnlyWhereOneGoesOnWhereTheOtherEnds) {
+  for (const bool same : {true, false}) {
+    MarkerSequence take = test::make_take(40, 5);
+    take.markers()[1].label = take.markers()[0].label;
+    for (std::size_t f = 0; f < 40; ++f) {
+      take.flags()[take.sample(f, 0)] = f < 18 ? SampleFlag::valid : 0;
+      take.flags()[take.sample(f, 1)] = f < 20 ? 0 : SampleFlag::valid;
+      if (same) take.position(f, 1) = take.position(f, 0);
+    }
+    const MarkerSequence out = edited(take, "[[edit]]\ndo = \"unite-twins\"\n");
+    ASSERT_EQ(out.marker_count(), same ? 4U : 5U);
+    EXPECT_EQ(out.valid(30, 0), same);
+    if (!same) {
+      EXPECT_EQ(out.markers()[1].label, take.markers()[0].label + "_2");
+    }
+  }
+}
+
+TEST(EditList, ALabelOfTwoSubjectsMustSayWhose) {
+  MarkerSequence take = small_take();
+  take.markers()[0].subject = "anna";
+  take.markers()[1].subject = "ben";
+  take.markers()[0].label = take.markers()[1].label = "CHIN";
+  const std::string bare = "[[edit]]\ndo = \"rename\"\nto = \"X\"\nmarker = \"CHIN\"\n";
+  const std::string message = message_of(bare, take);
+  EXPECT_NE(message.find("several subjects"), std::string::npos) << message;
+  EXPECT_NE(message.find("\"anna:CHIN\" or \"ben:CHIN\""), std::string::npos) << message;
+  const MarkerSequence out =
+      edited(take, "[[edit]]\ndo = \"rename\"\nto = \"X\"\nmarker = \"ben:CHIN\"\n");
+  EXPECT_EQ(out.markers()[0].label, "CHIN");
+  EXPECT_EQ(out.markers()[1].label, "X");
+  const std::string donor = "[[edit]]\ndo = \"fill\"\nfill = \"pattern\"\ndonor = \"CHIN\"\n";
+  EXPECT_NE(message_of(donor, take).find("several subjects"), std::string::npos);
+}
+
 TEST(EditList, StagesAreSteps) {
   const MarkerSequence out = edited(small_take(),
                                     "[[edit]]\ndo = \"fill\"\nfill = \"cubic\"\n"

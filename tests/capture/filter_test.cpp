@@ -112,6 +112,40 @@ TEST(Filter, ResidualAnalysisKeepsTheMotionAndTakesTheNoise) {
   EXPECT_NEAR(result.cutoffs_hz[0], cutoff, 2.0);
 }
 
+TEST(Filter, TheSuggestedCutoffKeepsABlink) {
+  // 0.1 mm of noise on slow motion for 17 s, in which the lid closes once, within 0.2 s.
+  std::mt19937 random(5);
+  std::normal_distribution<double> noise(0.0, 0.1);
+  std::vector<double> truth;
+  std::vector<double> measured;
+  for (int i = 0; i < 1700; ++i) {
+    const double t = i / rate_hz;
+    truth.push_back(3.0 * std::sin(2.0 * t) - 8.0 * std::exp(-std::pow((t - 8.0) / 0.05, 2)));
+    measured.push_back(truth.back() + noise(random));
+  }
+  const auto worst = [&](const MarkerSequence& take) {
+    double error = 0.0;
+    for (std::size_t i = 700; i < 900; ++i) {
+      error = std::max(error, std::abs(take.position(i, 0).x() - truth[i]));
+    }
+    return error;
+  };
+  const MarkerSequence take = one_marker(measured);
+  const auto suggested = filter_take(take);
+  EXPECT_LT(worst(suggested.take), 0.45);  // the noise alone: some 0.3
+  EXPECT_TRUE(suggested.warnings.empty());
+  const auto slow = filter_take(take, {.cutoff_hz = 1.0});
+  EXPECT_GT(worst(slow.take), 3.0);
+  ASSERT_EQ(slow.warnings.size(), 1U);
+  EXPECT_NE(slow.warnings[0].find("more than noise explains"), std::string::npos);
+}
+
+TEST(Filter, RecordingsWithoutNoiseAreHardlySmoothed) {
+  std::vector<double> x;
+  for (int i = 0; i < 400; ++i) x.push_back(5.0 * std::sin(0.05 * i));
+  EXPECT_LT(filter_take(one_marker(x)).rms_change_mm, 0.01);
+}
+
 TEST(Filter, BadInput) {
   const MarkerSequence take = one_marker(wave(20));
   EXPECT_THROW(filter_take(take, {.cutoff_hz = 50.0}), UsageError);

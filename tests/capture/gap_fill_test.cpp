@@ -116,6 +116,30 @@ TEST(GapFill, LeavesNothingOpenWhenNoOtherMarkerIsComplete) {
   expect_whole(take, fill_gaps(take).take);
 }
 
+TEST(GapFill, TheBandOfAMarkerHardlySeenCoversWhatItsNeighboursDo) {
+  for (const std::size_t seen : {3U, 7U, 25U}) {  // by hand, and learnt from samples of one moment
+    MarkerSequence take = face(300, 20);
+    remove(take, 2, {seen, 300});
+    const auto result = fill_gaps(take);
+    expect_whole(take, result.take);
+    std::size_t inside = 0;
+    for (std::size_t f = seen; f < 300; ++f) {
+      const double error = (result.take.position(f, 2).cast<double>() - truth(2, f)).norm();
+      inside += error <= 2.5 * result.take.uncertainty()[result.take.sample(f, 2)] ? 1 : 0;
+    }
+    EXPECT_GE(static_cast<double>(inside), 0.85 * static_cast<double>(300 - seen)) << seen;
+    ASSERT_EQ(result.warnings.size(), 1U);
+    EXPECT_NE(result.warnings[0].find("less than 10 % of the frames (m2)"), std::string::npos);
+  }
+}
+
+TEST(GapFill, AMarkerHardlySeenAmongFewOthersIsKnownToACentimetreAtBest) {
+  MarkerSequence take = face(100, 3);
+  remove(take, 1, {5, 100});
+  const auto result = fill_gaps(take, {.method = FillMethod::linear});
+  EXPECT_GE(result.take.uncertainty()[result.take.sample(60, 1)], 10.0F);
+}
+
 TEST(GapFill, OneFrameOneMarkerOneSample) {
   MarkerSequence take = MarkerSequence::invalid(5, {{.label = "a"}, {.label = "b"}}, 60.0);
   take.position(2, 0) = Eigen::Vector3f(1, 2, 3);

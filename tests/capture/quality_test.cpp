@@ -342,6 +342,7 @@ TEST(Clean, AMarkerThatExistsTwice) {
   for (std::size_t f = 0; f < 40; ++f) {
     take.flags()[take.sample(f, 0)] = f < 20 ? SampleFlag::valid : 0;
     take.flags()[take.sample(f, 1)] = f < 20 ? 0 : SampleFlag::valid;
+    take.position(f, 1) = take.position(f, 0);
   }
   take.markers()[1].label = take.markers()[0].label;  // one trajectory, broken in two
   take.markers()[3].label = take.markers()[2].label;  // two that are apart

@@ -132,6 +132,53 @@ TEST(Stabilise, PosesWithTooFewMarkersAreInterpolatedAndFlagged) {
   EXPECT_LT(result.rms_error_mm, 1e-3);
 }
 
+void hide(MarkerSequence& take, std::initializer_list<std::size_t> markers, std::size_t from,
+          std::size_t to) {
+  for (std::size_t f = from; f < to; ++f) {
+    for (const std::size_t m : markers) take.flags()[take.sample(f, m)] = 0;
+  }
+}
+
+/// Largest distance of a skin marker in these frames from where it is on a head at rest.
+double worst_skin(const MarkerSequence& steady, const Eigen::Isometry3d& rest, std::size_t from,
+                  std::size_t to) {
+  const Head h = head();
+  double worst = 0.0;
+  for (std::size_t f = from; f < to; ++f) {
+    for (std::size_t m = Head::rig; m < h.rest.size(); ++m) {
+      const Eigen::Vector3d p = rest * (h.rest[m] + skin_motion(h.rest[m], f));
+      worst = std::max(worst, (steady.position(f, m).cast<double>() - p).norm());
+    }
+  }
+  return worst;
+}
+
+TEST(Stabilise, AMarkerNeverSeenWithThreeOthersIsLeftOutAndNamed) {
+  MarkerSequence take = record(300, 0.0);
+  hide(take, {3}, 0, 280);
+  hide(take, {0, 1, 5}, 280, 300);  // 2, 3 and 4 are seen, and 3 has no place
+  const auto result = stabilise_head(take, by_name);
+  EXPECT_EQ(result.interpolated_frames, 20U);
+  EXPECT_EQ(result.shape.weights[3], 0.0);
+  EXPECT_TRUE(std::isnan(result.shape.residuals_mm[3]));
+  ASSERT_EQ(result.warnings.size(), 2U);
+  EXPECT_NE(result.warnings[1].find("rig3."), std::string::npos) << result.warnings[1];
+  EXPECT_LT(worst_skin(result.take, pose(0), 0, 280), 2e-3);
+  EXPECT_LT(worst_skin(result.take, pose(0), 280, 300), 15.0);  // held: the head moves on by that
+}
+
+TEST(Stabilise, MarkersJoinRoundByRound) {
+  MarkerSequence take = record(300, 0.0);
+  hide(take, {4, 5}, 0, 100);
+  hide(take, {0, 5}, 100, 200);  // 4 joins by 1, 2 and 3
+  hide(take, {0, 1}, 200, 250);  // 5 joins by 2, 3 and 4
+  hide(take, {0, 1, 2}, 250, 300);
+  const auto result = stabilise_head(take, by_name);
+  EXPECT_LT(worst_skin(result.take, pose(0), 0, 300), 2e-3);
+  EXPECT_EQ(result.interpolated_frames, 0U);
+  EXPECT_TRUE(result.warnings.empty());
+}
+
 TEST(Stabilise, TheReferenceFrameKeepsItsPlace) {
   const MarkerSequence take = record(50, 0.0);
   const auto result = stabilise_head(take, {.rigid = {"rig*"}, .reference_frame = 21});
