@@ -96,7 +96,7 @@ double worst_stretch(std::span<const std::vector<double>> runs, double rate_hz, 
 /// What residual analysis suggests rests on the whole take, in which a blink weighs nothing. It is
 /// raised until no quarter of a second loses more than noise.
 double cutoff_for(const Coordinates& series, double rate_hz, const FilterOptions& options) {
-  constexpr double most = 2.0;  // × the noise: its own RMS over such a stretch reaches 1.7
+  constexpr double most = 1.6;  // × the noise: its own RMS over such a stretch hardly exceeds that
   constexpr double step = 1.1;
   if (options.cutoff_hz > 0.0) return options.cutoff_hz;
   std::vector<std::vector<double>> all;

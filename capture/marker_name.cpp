@@ -27,7 +27,8 @@ std::size_t marker_meant(const std::vector<Marker>& markers, const std::string& 
   if (owners.size() > 1) {
     std::vector<std::string> full;
     for (const std::string& owner : owners) {
-      full.push_back("\"" + (owner.empty() ? name : owner + ":" + name) + "\"");
+      const std::string prefix = owner.empty() ? "" : owner + ":";
+      full.push_back("\"" + prefix + name + "\"");
     }
     throw UsageError({.what = who + " \"" + name + "\", which several subjects have",
                       .marker = name,
