@@ -47,8 +47,9 @@ void FeatureMatchingOptions::declare(ParameterSet& p) {
            "What the average distance along the path between two features must do on both");
   p.number("prior-tolerance", prior_tolerance,
            {.min = 0, .max = 1, .help = "Part of its range by which that may fall back"});
-  p.number("max-pairs", max_pairs,
-           {.min = 1, .max = 1e9, .help = "Pairs of matches to compare at most (32 bytes each)"});
+  p.number(
+      "max-pairs", max_pairs,
+      {.min = 1, .max = 1e9, .help = "Pairs of matches to compare at most (some 64 bytes each)"});
 }
 
 namespace {
@@ -85,7 +86,6 @@ class Alternatives {
   std::pair<uint32_t, double> runner_up(uint32_t i) const {
     const uint32_t now = chosen_[i];
     std::pair<uint32_t, double> best{unmatched, -gain_[now]};
-    bool first = true;
     for (const uint32_t a : by_left_[i]) {
       if (a == now) continue;
       const uint32_t right = problem_.assignments[a].right;
@@ -93,8 +93,7 @@ class Alternatives {
       if (const uint32_t holder = at_right_[right]; holder != unmatched) {
         change -= gain_[holder] - between(now, holder);
       }
-      if (first || change < best.second) best = {right, change};
-      first = false;
+      if (change < best.second) best = {right, change};
     }
     return best;
   }

@@ -46,6 +46,7 @@ GeodesicPath GeodesicSolver::Data::trace(const GeodesicField& field, GeodesicArr
   // A vertex is the apex of the frame it was reached in; a target lies somewhere in its face.
   bool at_vertex = arrival_of_vertex;
   for (std::size_t stretches = 0; stretches < 2 * inner.size() + 16; ++stretches) {
+    if (arrival.origin == invalid_index) break;
     const bool at_source = arrival.origin >= count;
     const SurfacePoint origin =
         at_source ? field.sources.at(arrival.origin - count) : mesh.vertex_point(arrival.origin);
@@ -83,9 +84,12 @@ VertexIndex GeodesicSolver::Data::pass_vertex(const GeodesicField& field,
     if (v == invalid_index) continue;
     const VertexIndex original = mesh.original_vertex(v);
     const double length = field.distances[original] + (positions[original] - here).norm();
-    if (best != invalid_index && !(length < least)) continue;
+    if (!(length < least)) continue;
     best = v;
     least = length;
+  }
+  if (best == invalid_index) {
+    throw InternalError("a shortest path leads to vertices that no path reaches");
   }
   points.push_back(mesh.vertex_point(best));
   return best;

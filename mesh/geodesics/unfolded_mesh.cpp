@@ -13,6 +13,11 @@ constexpr double two_pi = 2.0 * std::numbers::pi;
 /// Corner angles come from positions rounded to a float; a vertex of a plane must not count as a
 /// saddle for the rounding of their sum.
 constexpr double angle_tolerance = 1e-12;
+/// In thin triangles rounding, also that of the positions, turns edges and paths by this much.
+constexpr double flat_tolerance = 1e-5;
+/// Over an edge this short (over the mean) distances differ by so little that they do not tell from
+/// where a path arrives.
+constexpr double least_edge = 1e-6;
 
 /// Spreads the low 21 bits of x to every third bit.
 uint64_t spread_bits(uint64_t x) {
@@ -77,15 +82,18 @@ Eigen::Vector2d corner(double a, double b, double c, double twice_area) {
   return scaled.normalized();
 }
 
-/// Angles and apex from the positions: exact to rounding also for slivers.
+/// Angles and apex from the positions: exact to rounding also for slivers and needles, since what
+/// is measured from an end is computed from there.
 void place_apex(Frame& frame, const Eigen::Vector3d& v1, const Eigen::Vector3d& v2,
                 const Eigen::Vector3d& v3) {
-  const Eigen::Vector3d base = v2 - v1, side = v3 - v1;
-  frame.px = base.dot(side) / frame.length;
-  frame.py = base.cross(side).norm() / frame.length;
-  frame.sides[0].cos = frame.px / frame.sides[0].length;
+  const Eigen::Vector3d base = v2 - v1, left = v3 - v1, right = v3 - v2;
+  const double from_v1 = base.dot(left) / frame.length, to_v2 = -base.dot(right) / frame.length;
+  const bool near_v1 = frame.sides[0].length < frame.sides[1].length;
+  frame.px = near_v1 ? from_v1 : frame.length - to_v2;
+  frame.py = base.cross(near_v1 ? left : right).norm() / frame.length;
+  frame.sides[0].cos = from_v1 / frame.sides[0].length;
   frame.sides[0].sin = frame.py / frame.sides[0].length;
-  frame.sides[1].cos = (frame.length - frame.px) / frame.sides[1].length;
+  frame.sides[1].cos = to_v2 / frame.sides[1].length;
   frame.sides[1].sin = frame.py / frame.sides[1].length;
 }
 
@@ -112,6 +120,7 @@ UnfoldedMesh::UnfoldedMesh(const Topology& topology, std::span<const Eigen::Vect
   build_frames(topology, positions, intrinsic);
   build_fans();
   list_irregular_corners();
+  list_edges();
 }
 
 void UnfoldedMesh::renumber(const Topology& topology, std::span<const Eigen::Vector3d> positions) {
@@ -187,14 +196,28 @@ void UnfoldedMesh::build_fans() {
       kinds_[v] = VertexKind::boundary;
     } else if (total_angles_[v] > two_pi + angle_tolerance) {
       kinds_[v] = VertexKind::saddle;
+    } else if (total_angles_[v] > two_pi - flat_tolerance) {
+      kinds_[v] = VertexKind::flat;
     }
   }
 }
 
 void UnfoldedMesh::list_irregular_corners() {
+  for (const Frame& frame : frames_) {
+    if (frame.length > least_edge * mean_length_) continue;
+    for (const VertexIndex v : frame.ends) kinds_[v] = VertexKind::irregular;
+  }
   for (HalfedgeIndex h = 0; h < frames_.size(); ++h) {
     const VertexIndex v = frames_[h].ends[0];
     if (kinds_[v] == VertexKind::irregular) irregular_corners_[v].push_back(h);
+  }
+}
+
+void UnfoldedMesh::list_edges() {
+  edges_.reserve(frames_.size() / 2);
+  for (HalfedgeIndex h = 0; h < frames_.size(); ++h) {
+    if (twins_[h] != invalid_index && twins_[h] < h) continue;
+    edges_.push_back({frames_[h].length, frames_[h].ends});
   }
 }
 

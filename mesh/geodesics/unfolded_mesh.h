@@ -25,6 +25,12 @@ struct FrameSide {
   double length;
 };
 
+/// An edge, once, with its ends.
+struct Edge {
+  double length;
+  std::array<VertexIndex, 2> ends;
+};
+
 struct alignas(32) Frame {
   double length;
   double px, py;                        // v3
@@ -36,10 +42,12 @@ struct alignas(32) Frame {
 };
 
 enum class VertexKind : uint8_t {
-  convex,     // inner vertex with an angle of at most 2π: no shortest path passes through it
+  convex,     // inner vertex with an angle below 2π: no shortest path passes through it
+  flat,       // inner vertex with an angle of 2π or so little less that paths pass right beside it
   saddle,     // inner vertex with an angle above 2π
   boundary,   // one open fan of faces
-  irregular,  // several fans (non-manifold): paths may pass it in any direction
+  irregular,  // several fans (non-manifold), or all but at the place of another vertex: paths may
+              // pass it in any direction
 };
 
 class UnfoldedMesh {
@@ -69,6 +77,10 @@ class UnfoldedMesh {
     return irregular_corners_.at(v);
   }
 
+  /// Every edge of every face once; where more than two faces meet, or two that face opposite ways,
+  /// once for each face.
+  const std::vector<Edge>& edges() const { return edges_; }
+
   double mean_length() const { return mean_length_; }
   std::size_t degenerate_faces() const { return degenerate_faces_; }
 
@@ -91,6 +103,7 @@ class UnfoldedMesh {
                     const IntrinsicLengths& intrinsic);
   void build_fans();
   void list_irregular_corners();
+  void list_edges();
 
   std::vector<Frame> frames_;
   std::vector<HalfedgeIndex> twins_;
@@ -98,6 +111,7 @@ class UnfoldedMesh {
   std::vector<HalfedgeIndex> outgoing_;
   std::vector<VertexKind> kinds_;
   std::unordered_map<VertexIndex, std::vector<HalfedgeIndex>> irregular_corners_;
+  std::vector<Edge> edges_;
   std::vector<VertexIndex> inner_vertices_, original_vertices_;
   std::vector<FaceIndex> inner_faces_, original_faces_;
   double mean_length_ = 0.0;

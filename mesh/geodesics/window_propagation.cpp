@@ -12,8 +12,11 @@ namespace {
 constexpr double clearly = 1.0 + 1e-12;
 /// Windows narrower than this (over the edge's length) have no inside left.
 constexpr double least_width = 1e-14;
-/// Edges within this angle (radians) of a sector belong to it.
-constexpr double sector_tolerance = 1e-11;
+/// Rounding turns sectors by less than this angle (radians); they are widened by it.
+constexpr double sector_tolerance = 1e-9;
+/// Edges within this angle of going straight on at a vertex are tried: a path along an edge is
+/// never wrong, only perhaps not the shortest.
+constexpr double straight_tolerance = 2e-5;
 
 double length_of(double x, double y) { return std::sqrt(x * x + y * y); }
 
@@ -58,11 +61,17 @@ void WindowPropagation::run(std::span<const SurfacePoint> sources,
   for (uint32_t s = 0; s < sources.size(); ++s) place_source(sources[s], s);
   place_spots(targets);
   has_spots_ = !spots_.empty();
+  do {
+    empty_queue(ctx);
+  } while (reach_missed_vertices());
+  finish_targets(targets);
+}
+
+void WindowPropagation::empty_queue(const RunContext* ctx) {
   while (queue_.take_bucket(bucket_)) {
     if (ctx != nullptr) ctx->check_cancelled();
     propagate_bucket();
   }
-  finish_targets(targets);
 }
 
 void WindowPropagation::reach(VertexIndex v, double distance, double direction,
@@ -99,19 +108,24 @@ inline void WindowPropagation::propagate(const Window& w) {
     if (meets_source(w)) return;
     reach_targets(w);
   }
-  const double crossing = w.x + (frame.px - w.x) * w.y / (w.y + frame.py);
+  const double along = frame.px - w.x, depth = w.y + frame.py, per_depth = 1.0 / depth;
+  double crossing = w.x + along * (w.y * per_depth);
   bool left = crossing > w.low, right = crossing < w.high;
-  const double tolerance = end_tolerance * frame.length;
+  const double tolerance =
+      end_tolerance * frame.length + aside_tolerance * (along * along + depth * depth) * per_depth;
   if (crossing >= w.low - tolerance && crossing <= w.high + tolerance) {
-    meet_apex(w, frame, crossing, left, right);
+    meet_apex(w, frame, crossing, tolerance, left, right);
+    // A window that all but ends at the apex goes on up to it, so that its neighbour's end and its
+    // own stay together.
+    crossing = std::clamp(crossing, w.low, w.high);
     if (left && right) leave(w, frame, crossing, 1);
     if (!left && !right) return;
   }
   leave(w, frame, crossing, left ? 0 : 1);
 }
 
-void WindowPropagation::meet_apex(const Window& w, const Frame& frame, double crossing, bool& left,
-                                  bool& right) {
+void WindowPropagation::meet_apex(const Window& w, const Frame& frame, double crossing,
+                                  double tolerance, bool& left, bool& right) {
   const double distance = w.offset + length_of(frame.px - w.x, frame.py + w.y);
   if (distance < distances_[frame.apex]) {
     const double within =
@@ -123,7 +137,8 @@ void WindowPropagation::meet_apex(const Window& w, const Frame& frame, double cr
   if (distance < occupant.distance) {
     if (occupant.distance == infinity) occupied_.push_back(w.halfedge);
     occupant = {distance, crossing};
-  } else if (left && right && distance > occupant.distance * clearly) {
+  } else if (left && right && distance > occupant.distance * clearly &&
+             std::abs(crossing - occupant.crossing) > tolerance) {
     (crossing < occupant.crossing ? right : left) = false;
   }
 }
@@ -171,41 +186,49 @@ void WindowPropagation::bend_paths(VertexIndex v, double distance) {
   }
   const double total = mesh_.total_angle(v), arrival = directions_[v];
   if (arrival < 0.0) {
-    bend_into(v, 0.0, total, distance);
+    bend_into(v, 0.0, total, distance, true);
   } else if (mesh_.kind(v) == VertexKind::boundary) {
     // Only the sides within the surface must leave an angle of π.
-    if (arrival + pi <= total) bend_into(v, arrival + pi, total, distance);
-    if (arrival - pi >= 0.0) bend_into(v, 0.0, arrival - pi, distance);
+    const double over = arrival + pi, under = arrival - pi;
+    const bool opens_over = total - over > sector_tolerance, opens_under = under > sector_tolerance;
+    bend_into(v, opens_over ? over - sector_tolerance : over, total, distance, opens_over);
+    bend_into(v, 0.0, opens_under ? under + sector_tolerance : under, distance, opens_under);
   } else {
-    double from = arrival + pi, to = arrival + total - pi;
+    const bool flat = mesh_.kind(v) == VertexKind::flat;
+    const double widening = flat ? 0.0 : sector_tolerance;
+    double from = arrival + pi - widening, to = arrival + total - pi + widening;
     if (from >= total) {
       from -= total;
       to -= total;
     }
-    bend_into(v, from, std::min(to, total), distance);
-    if (to > total) bend_into(v, 0.0, to - total, distance);
+    bend_into(v, from, std::min(to, total), distance, !flat);
+    if (to > total) bend_into(v, 0.0, to - total, distance, !flat);
   }
 }
 
-void WindowPropagation::bend_into(VertexIndex v, double from, double to, double distance) {
+/// Along the edges of a sector and, with `windows`, between them.
+void WindowPropagation::bend_into(VertexIndex v, double from, double to, double distance,
+                                  bool windows) {
   const HalfedgeIndex first = mesh_.outgoing(v);
   const bool closed = mesh_.kind(v) != VertexKind::boundary;
-  const auto in_sector = [&](double angle) {
-    return angle >= from - sector_tolerance && angle <= to + sector_tolerance;
+  const double turn = closed ? mesh_.total_angle(v) : 0.0;
+  const auto near_sector = [&](double angle) {
+    return angle >= from - straight_tolerance && angle <= to + straight_tolerance;
   };
   HalfedgeIndex h = first;
   do {
     const double start = mesh_.corner_start(h), angle = mesh_.corner_angle(h);
-    if (start < to && start + angle > from) {
+    if (windows && start < to && start + angle > from) {
       send_window(h, from - start, to - start, v, distance);
     }
-    if (in_sector(start) || (closed && in_sector(start + mesh_.total_angle(v)))) {
+    if (near_sector(start) ||
+        (closed && (near_sector(start + turn) || near_sector(start - turn)))) {
       const Frame& frame = mesh_.frame(h);
       send_along_edge(v, frame.ends[1], distance + frame.length, direction_back_along(h));
     }
     const HalfedgeIndex border = Topology::previous(h);
     h = mesh_.twin(border);
-    if (h == invalid_index && in_sector(start + angle)) {
+    if (h == invalid_index && near_sector(start + angle)) {
       const Frame& frame = mesh_.frame(border);
       send_along_edge(v, frame.ends[0], distance + frame.length, mesh_.corner_start(border));
     }

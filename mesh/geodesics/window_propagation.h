@@ -9,7 +9,11 @@
 //   - on one side of a vertex which they reach later than another window has reached it through the
 //     same edge ("one angle, one split", Chen & Han 1990; the position at which the earlier
 //     window's path to the vertex crosses the edge tells which side).
-// Vertices bend paths only into the sector behind them, not all around.
+// Vertices bend paths only into the sector behind them, not all around. A flat vertex bends none,
+// but hands a path that runs straight along its edges on to the next vertex: the pencils on both
+// sides may miss that by rounding. At the end, a vertex that is further away than its neighbour and
+// the edge between them say was missed all the same; it is reached along that edge, bends paths all
+// around, and the search goes on.
 #pragma once
 
 #include <algorithm>
@@ -27,7 +31,10 @@ namespace kinemesh::geodesics {
 inline constexpr double infinity = std::numeric_limits<double>::infinity();
 /// A vertex this close to a window's end (over the edge's length) is seen by the window. Two
 /// windows that share an end at a vertex would else both miss it; the error is of second order.
-inline constexpr double end_tolerance = 1e-10;
+inline constexpr double end_tolerance = 1e-9;
+/// The same for paths that meet the edge at a small angle: how far beside the vertex they may
+/// pass, over their length.
+inline constexpr double aside_tolerance = 1e-13;
 
 struct Window {
   double low, high;        ///< interval on the edge, from v1 of the halfedge's frame
@@ -118,15 +125,19 @@ class WindowPropagation {
   void reach_targets(const Window& window);
   void reach_target(uint32_t target, double distance, const GeodesicArrival& arrival);
 
+  void empty_queue(const RunContext* ctx);
+  bool reach_missed_vertices();
+  bool reach_missed(VertexIndex from, VertexIndex to, double length);
+  bool reach_missed_around(VertexIndex v);
   void propagate_bucket();
   void propagate(const Window& window);
-  void meet_apex(const Window& window, const Frame& frame, double crossing, bool& left,
-                 bool& right);
+  void meet_apex(const Window& window, const Frame& frame, double crossing, double tolerance,
+                 bool& left, bool& right);
   void leave(const Window& window, const Frame& frame, double crossing, unsigned side);
 
   void reach(VertexIndex v, double distance, double direction, const GeodesicArrival& arrival);
   void bend_paths(VertexIndex v, double distance);
-  void bend_into(VertexIndex v, double from, double to, double distance);
+  void bend_into(VertexIndex v, double from, double to, double distance, bool windows);
   void bend_everywhere(VertexIndex v, double distance);
   void send_along_edge(VertexIndex from, VertexIndex to, double distance, double direction);
   void send_window(HalfedgeIndex corner, double from, double to, VertexIndex v, double distance);
