@@ -31,8 +31,13 @@ class MergeSubjects : public EditOperation {
       const bool wanted = subjects_.empty() || std::ranges::count(subjects_, m.subject) > 0;
       if (wanted) names.emplace_back(m.subject, into_);
     }
-    if (names.empty()) {
-      throw UsageError({.what = "no marker belongs to " + join(subjects_, ", ", " or ")});
+    for (const std::string& subject : subjects_) {
+      const bool known = std::ranges::any_of(take.markers(),
+                                             [&](const Marker& m) { return m.subject == subject; });
+      if (!known) {
+        throw UsageError({.what = "no marker belongs to a subject '" + subject + "'",
+                          .remedy = "See the subjects with \"kinemesh c3d info\""});
+      }
     }
     refuse_twins(take, names);
     rename_subjects(take, names);
@@ -81,13 +86,23 @@ class AddEvent : public EditOperation {
     p.number("frame", frame_,
              {.min = 0, .max = 4e9, .help = "frame at which it happens; 0 to give a time"});
     p.number("time", event_.time_s,
-             {.unit = "s", .min = -1e9, .max = 1e9, .help = "since recorded frame 1"});
+             {.unit = "s",
+              .min = no_time_s,
+              .max = 1e9,
+              .help = "since recorded frame 1; this or a frame must be given"});
     p.text("context", event_.context, {.metavar = "TEXT", .help = "Left, Right, General"});
     p.text("subject", event_.subject, {.metavar = "NAME", .help = "whose event it is"});
   }
   std::string apply(MarkerSequence& take, const EditContext& context) const override {
     (void)context;
     if (event_.label.empty()) throw UsageError({.what = "'label' names the event, and is missing"});
+    const bool timed = event_.time_s > no_time_s;
+    if (timed == (frame_ > 0)) {
+      throw UsageError({.what = timed
+                                    ? "'frame' and 'time' both say when the event is"
+                                    : "'frame' or 'time' says when the event is; both are missing",
+                        .remedy = "Give one of the two"});
+    }
     Event event = event_;
     if (frame_ > 0) {
       frames_between(take, frame_, frame_);
@@ -114,7 +129,8 @@ class AddEvent : public EditOperation {
                                 "'frame'"});
   }
 
-  Event event_;
+  static constexpr double no_time_s = -1e9;
+  Event event_{.time_s = no_time_s};
   int64_t frame_ = 0;
 };
 
@@ -126,7 +142,8 @@ class Units : public EditOperation {
   }
   std::string apply(MarkerSequence& take, const EditContext& context) const override {
     (void)context;
-    const auto now = millimetres_in(unit_);
+    const bool offered = unit_ == "mm" || unit_ == "cm" || unit_ == "m";
+    const auto now = offered ? millimetres_in(unit_) : std::nullopt;
     if (!now) throw UsageError({.what = "'" + unit_ + "' is no unit of length: mm, cm or m"});
     const double before = millimetres_in(take.origin.unit).value_or(1.0);
     take.origin.scale *= before / *now;  // the same step in the other unit

@@ -221,6 +221,17 @@ void refuse_other_axes(const Origin& first, const Origin& second) {
                     .remedy = "Join before the step that turns the axes"});
 }
 
+/// A few words of a list must not ask for more memory than a machine has.
+void refuse_huge(double frames, std::size_t markers, const std::string& how,
+                 const std::string& remedy) {
+  constexpr double most_samples = 1e8;  // 2.2 GB; an hour of 100 markers at 100 Hz is 4e7
+  const double samples = frames * static_cast<double>(std::max<std::size_t>(1, markers));
+  if (!(samples > most_samples)) return;
+  throw UsageError({.what = how + ", the take would have " + format_fixed(samples / 1e6, 0) +
+                            " million samples (frames × markers); 100 million are the most",
+                    .remedy = remedy});
+}
+
 }  // namespace
 
 MarkerSequence join_takes(const MarkerSequence& first, const MarkerSequence& second,
@@ -248,6 +259,9 @@ MarkerSequence join_takes(const MarkerSequence& first, const MarkerSequence& sec
                      " of it had none of the same subject and label in the take");
   }
   const std::size_t shift = first.frame_count() + pause;
+  refuse_huge(static_cast<double>(shift) + static_cast<double>(second.frame_count()),
+              markers.size(), "joined with a pause of " + count_of(pause, "frame"),
+              "Give a shorter 'pause', or crop the takes first");
   MarkerSequence out = empty_like(first, shift + second.frame_count(), markers);
   const bool loose = !first.unlabelled.offsets.empty() || !second.unlabelled.offsets.empty();
   for (std::size_t f = 0; f < out.frame_count(); ++f) {
@@ -292,10 +306,8 @@ MarkerSequence resample_take(const MarkerSequence& take, double rate_hz, const R
   Grid grid{step, 0};
   if (take.frame_count() > 0) {
     const double last = static_cast<double>(take.frame_count() - 1) / step;
-    if (last > 1e8) {
-      throw UsageError({.what = "at " + format_number(rate_hz) +
-                                " Hz the take would have over 100 million frames"});
-    }
+    refuse_huge(last, take.marker_count(), "resampled to " + format_number(rate_hz) + " Hz",
+                "Give a lower 'rate'");
     grid.frames = static_cast<std::size_t>(std::floor(last * (1.0 + 1e-12) + 1e-9)) + 1;
   }
   MarkerSequence out = empty_like(take, grid.frames, take.markers());

@@ -62,18 +62,31 @@ class Resample : public EditOperation {
   std::string_view name() const override { return "resample"; }
   void declare(ParameterSet& p) override {
     p.number("rate", rate_hz_,
-             {.unit = "Hz", .min = 0.001, .max = 1e6, .help = "frames per second afterwards"});
+             {.unit = "Hz", .min = 0.0, .max = 1e6, .help = "frames per second afterwards"});
   }
   std::string apply(MarkerSequence& take, const EditContext& context) const override {
+    constexpr double least_hz = 0.001;
+    if (rate_hz_ < least_hz) {
+      throw UsageError({.what = "'rate' says how many frames a second there are afterwards, and is "
+                                "missing or below 0.001 Hz",
+                        .remedy = "Add a line such as rate = 60"});
+    }
     const double before = take.rate_hz;
+    const double analog = take.analog.rate_hz;
     const bool turning = !take.rotations.values.empty();
     take = resample_take(take, rate_hz_, context.run);
-    return "resampled from " + format_number(before) + " to " + format_number(rate_hz_) + " Hz, " +
-           count_of(take.frame_count(), "frame") + (turning ? "; the rotations are left out" : "");
+    std::string text = "resampled from " + format_number(before) + " to " +
+                       format_number(rate_hz_) + " Hz, " + count_of(take.frame_count(), "frame") +
+                       (turning ? "; the rotations are left out" : "");
+    if (!take.analog.channels.empty() && std::abs(take.analog.rate_hz - analog) > 1e-6 * analog) {
+      text += "; the analog data from " + format_number(analog) + " to " +
+              format_number(take.analog.rate_hz) + " Hz, to be whole samples a frame";
+    }
+    return text;
   }
 
  private:
-  double rate_hz_ = 100.0;
+  double rate_hz_ = 0.0;
 };
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "capture/idle_options.h"
 #include "capture/session.h"
 #include "cli/commands/commands.h"
+#include "config/input_file.h"
 #include "config/output_file.h"
 #include "config/text.h"
 #include "report/gap_chart.h"  // png_scale
@@ -51,6 +52,26 @@ void refuse_beside_edits(const Arguments& args) {
                               "\"stabilise\", …), or leave out one of the two"});
 }
 
+constexpr std::string_view seal = "# written by kinemesh, sum ";
+
+/// The list with a line that tells whether somebody changed it afterwards.
+std::string sealed(const std::string& list) {
+  return std::string(seal) + sha256_of(list).substr(0, 16) + "\n" + list;
+}
+
+/// A record that a person has edited, or wrote, is work that must not be lost.
+void refuse_to_replace_edited(const std::string& record) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(record, ignored)) return;
+  const std::string text = read_file(record);
+  const std::size_t line = text.find('\n');
+  if (line != std::string::npos && text == sealed(text.substr(line + 1))) return;
+  throw UsageError({.what = "The list of edits there was changed by hand and would be replaced",
+                    .file = record,
+                    .remedy = "Apply it with --edits " + record +
+                              ", or have the new list written elsewhere with --record FILE"});
+}
+
 /// Writes the take in the format of the extension; says what it cannot hold.
 void write_take(const Arguments& args, const MarkerSequence& take, Terminal& terminal) {
   const RunContext ctx = terminal.run.part(0.9, 1.0, "writing");
@@ -79,6 +100,7 @@ ExitCode process(Arguments& args, Terminal& terminal) {
   if (!args.clean.template_file.empty()) {
     args.clean.template_file = fs::absolute(args.clean.template_file).string();
   }
+  if (args.edits.empty()) refuse_to_replace_edited(args.record);
   const MarkerSequence take =
       read_session(args.file, args.read, terminal.run.part(0.0, 0.1, "reading"));
   const RunContext working = terminal.run.part(0.1, 0.9, "processing");
@@ -95,7 +117,7 @@ ExitCode process(Arguments& args, Terminal& terminal) {
   std::vector<std::string> outputs{args.output};
   if (args.edits.empty()) {
     outputs.push_back(args.record);
-    write_file(outputs.back(), edits_toml(result.edits));
+    write_file(outputs.back(), sealed(edits_toml(result.edits)));
   }
   if (args.picture) {
     outputs.push_back(picture);

@@ -305,6 +305,19 @@ TEST(EditList, StagesAreSteps) {
   for (std::size_t f = 0; f < 40; ++f) EXPECT_TRUE(out.valid(f, 1));
 }
 
+TEST(EditList, AFewWordsAskForNoMoreMemoryThanThereIs) {
+  const MarkerSequence take = small_take();  // 40 frames of 3 markers at 100 Hz
+  EXPECT_THROW(join_takes(take, take, 33'333'333), UsageError);
+  MarkerSequence slow = take;
+  slow.rate_hz = 0.5;
+  try {
+    resample_take(slow, 1e6);
+    FAIL();
+  } catch (const UsageError& e) {
+    EXPECT_NE(std::string(e.what()).find("234 million samples"), std::string::npos) << e.what();
+  }
+}
+
 TEST(EditList, SaysWhatIsWrongAndWhere) {
   const MarkerSequence take = small_take();
   const auto says = [&](const std::string& toml, const std::string& part) {
@@ -326,6 +339,12 @@ TEST(EditList, SaysWhatIsWrongAndWhere) {
   says("[[edit]]\ndo = \"delete\"\nmarkers = [\"Nose*\"]\n", "'Nose*' matches no marker");
   says("[[edit]]\ndo = \"join\"\nfile = \"missing.c3d\"\n", "missing.c3d");
   says("[[edit]]\ndo = \"units\"\nunit = \"parsec\"\n", "parsec");
+  says("[[edit]]\ndo = \"units\"\nunit = \"inch\"\n", "mm, cm or m");
+  says("[[edit]]\ndo = \"add-event\"\nlabel = \"x\"\n", "both are missing");
+  says("[[edit]]\ndo = \"add-event\"\nlabel = \"x\"\nframe = 3\ntime = 0.1\n", "both say when");
+  says("[[edit]]\ndo = \"resample\"\n", "missing");
+  says("[[edit]]\ndo = \"resample\"\nrate = 1000000000\n", "rate");
+  says("[[edit]]\ndo = \"merge-subjects\"\nsubjects = [\"zoe\"]\ninto = \"c\"\n", "'zoe'");
   says("edit = 3\n", "edit");
   says("[edit\n", "line 1");
   says("[[edit]]\ndo = \"move\"\nmarker = \"M1\"\ninto = \"M2\"\n", "measured there");

@@ -1,6 +1,7 @@
 // kinemesh c3d process and c3d quality, and convert --edits, as a user runs them.
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "capture/c3d/reader.h"
@@ -34,6 +35,12 @@ TEST_F(Process, CleansAndItsListGivesTheSameBytes) {
       run({"c3d", "process", session_, "-o", in("b.c3d"), "--edits", in("a.c3d.edits.toml")});
   ASSERT_EQ(second.exit_code, 0) << second.err;
   EXPECT_EQ(read_file(in("a.c3d")), read_file(in("b.c3d")));
+  // What was only written may be replaced, what somebody changed may not.
+  EXPECT_EQ(run({"c3d", "process", session_, "-o", in("a.c3d")}).exit_code, 0);
+  std::ofstream(in("a.c3d.edits.toml"), std::ios::app) << "\n# mine\n";
+  const auto third = run({"c3d", "process", session_, "-o", in("a.c3d")});
+  EXPECT_NE(third.exit_code, 0);
+  EXPECT_NE(third.err.find("--record"), std::string::npos) << third.err;
   const MarkerSequence before = read_c3d(session_).take;
   const MarkerSequence after = read_c3d(in("a.c3d")).take;
   EXPECT_EQ(after.markers(), before.markers());
