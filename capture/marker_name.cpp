@@ -27,8 +27,9 @@ std::size_t marker_meant(const std::vector<Marker>& markers, const std::string& 
   if (owners.size() > 1) {
     std::vector<std::string> full;
     for (const std::string& owner : owners) {
-      const std::string prefix = owner.empty() ? "" : owner + ":";
-      full.push_back("\"" + prefix + name + "\"");
+      std::string quoted = "\"";
+      if (!owner.empty()) quoted.append(owner).append(":");
+      full.push_back(quoted.append(name).append("\""));
     }
     throw UsageError({.what = who + " \"" + name + "\", which several subjects have",
                       .marker = name,
