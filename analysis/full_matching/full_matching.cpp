@@ -11,6 +11,7 @@
 #include "analysis/full_matching/start_rotation.h"
 #include "config/error.h"
 #include "config/text.h"
+#include "mesh/geodesics/geodesics.h"
 
 namespace kinemesh {
 
@@ -303,25 +304,24 @@ void judge(FullMatching& result, const SignalPair& pair) {
   if (!pair.has_strain) result.warning += "; there is no motion to compare";
 }
 
-/// B's vertices on A as it now lies on the sphere.
-SurfaceMap reverse_of(const ComposedMap& map, const ClosedSurface& a, const ClosedSurface& b,
-                      std::span<const Eigen::Vector3d> sphere_b,
-                      const std::vector<double>& confidence) {
-  const SphereLocator locator(*a.topology, map.sphere());
+/// B's vertices on A.
+SurfaceMap reverse_of(const SurfaceOverlay& overlay, const std::vector<double>& confidence) {
+  const Topology& to = *overlay.source().topology;
   SurfaceMap reverse;
-  for (VertexIndex v = 0; v < b.surface_vertices; ++v) {
-    const SurfacePoint point = locator.locate(sphere_b[v]);
+  for (VertexIndex v = 0; v < overlay.target().surface_vertices; ++v) {
+    const SurfacePoint point =
+        overlay.to_closed_source(vertex_point(*overlay.target().topology, v));
     double sure = 0.0;
     for (std::size_t c = 0; c < 3; ++c)
-      sure += point.weights[c] * confidence[a.topology->faces()[point.face][c]];
+      sure += point.weights[c] * confidence[to.faces()[point.face][c]];
     reverse.points.push_back(point);
     reverse.confidence.push_back(std::clamp(sure, 0.0, 1.0));
   }
   return reverse;
 }
 
-void collect(FullMatching& result, ComposedMap& map, const SignalPair& pair, const ClosedSurface& a,
-             const ClosedSurface& b, const std::vector<Eigen::Vector3d>& sphere_b, double snap) {
+void collect(FullMatching& result, ComposedMap& map, const SignalPair& pair, double snap) {
+  const ClosedSurface &a = result.overlay->source(), &b = result.overlay->target();
   result.agreement = agreement_of(map, pair);
   const double trust = overall_trust(result.agreement, pair);
   std::vector<double> confidence;
@@ -332,13 +332,15 @@ void collect(FullMatching& result, ComposedMap& map, const SignalPair& pair, con
     result.distortion.push_back(map.distortion_at(v));
     result.mean_distortion += pair.a.areas[v] * result.distortion.back();
   }
-  result.reverse = reverse_of(map, a, b, sphere_b, confidence);
+  result.reverse = reverse_of(*result.overlay, confidence);
+  result.exactly = there_and_back(*result.overlay);
   const Leaving forward = leave_fillings(result.forward, b, pair.b.positions, snap);
   const Leaving reverse = leave_fillings(result.reverse, a, pair.a.positions, snap);
   result.unmapped_source = forward.unmapped;
   result.snapped_source = forward.snapped;
   result.unmapped_target = reverse.unmapped;
   result.snapped_target = reverse.snapped;
+  result.by_vertices = there_and_back(result.forward, result.reverse, a, b);
   judge(result, pair);
 }
 
@@ -399,7 +401,8 @@ FullMatching match_surfaces(const AnimatedMesh& source, const AnimatedMesh& targ
   }
   result.sphere_distortion_source = sphere_a.distortion;
   result.sphere_distortion_target = sphere_b.distortion;
-  collect(result, *map, pair, a, b, sphere_b.points, options.snap);
+  result.overlay = std::make_shared<SurfaceOverlay>(a, map->sphere(), b, sphere_b.points);
+  collect(result, *map, pair, options.snap);
   for (const Anchor& anchor : anchors) result.forward.confidence[anchor.vertex] = 1.0;
   return result;
 }

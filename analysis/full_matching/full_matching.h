@@ -12,10 +12,12 @@
 // between places taken at random.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "analysis/full_matching/surface_overlay.h"
 #include "analysis/spherical/spherical_map.h"
 #include "config/parameter.h"
 #include "config/run_context.h"
@@ -45,7 +47,11 @@ struct SignalAgreement {
 };
 
 struct FullMatching {
+  /// Samples of the overlay at the vertices; what falls near the edge of a hole lies on it.
   SurfaceMap forward, reverse;
+  /// Carries any point, in either direction; as matched, without what is moved to edges of holes.
+  std::shared_ptr<const SurfaceOverlay> overlay;
+  ThereAndBack exactly, by_vertices;  ///< of the overlay, and of the samples
   /// Per source vertex: symmetric Dirichlet energy / 4 of the map around it; 1 where isometric.
   std::vector<double> distortion;
   double mean_distortion = 0.0;  ///< over the source's area

@@ -39,6 +39,10 @@ std::string in_words(const Arguments& args, const FullMatching& m) {
   return text;
 }
 
+nlohmann::json as_json(const ThereAndBack& t) {
+  return {{"mean", t.mean}, {"worst", t.worst}, {"points", t.points}};
+}
+
 nlohmann::json as_json(const FullMatching& m) {
   return {{"source", m.forward.source_name},
           {"target", m.forward.target_name},
@@ -50,6 +54,8 @@ nlohmann::json as_json(const FullMatching& m) {
           {"on_loops_source", m.snapped_source},
           {"on_loops_target", m.snapped_target},
           {"distortion", m.mean_distortion},
+          {"there_and_back",
+           {{"exactly", as_json(m.exactly)}, {"by_vertices", as_json(m.by_vertices)}}},
           {"agreement",
            {{"strain", m.agreement.strain},
             {"normals", m.agreement.normals},
