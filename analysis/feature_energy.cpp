@@ -68,6 +68,9 @@ Eigen::MatrixXd twists(const Places& places) {
   return twist;
 }
 
+/// In the problem, in the solver's table (both ways) and for the runners-up (both ways).
+constexpr double bytes_per_pair = 80.0;
+
 void refuse_too_many(std::size_t source, std::size_t target, std::size_t assignments,
                      const FeatureMatchingOptions& options) {
   const double size = static_cast<double>(assignments);
@@ -76,7 +79,7 @@ void refuse_too_many(std::size_t source, std::size_t target, std::size_t assignm
       {.what = std::to_string(source) + " and " + std::to_string(target) + " features give " +
                std::to_string(static_cast<int64_t>(0.5 * size * size)) +
                " pairs of matches to compare, about " +
-               std::to_string(static_cast<int64_t>(size * size * 32e-6)) + " MB",
+               std::to_string(static_cast<int64_t>(size * size * 0.5e-6 * bytes_per_pair)) + " MB",
        .remedy = "Compare neighbours only (--neighbours 6), match fewer features, or raise "
                  "--max-pairs"});
 }

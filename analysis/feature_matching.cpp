@@ -49,7 +49,7 @@ void FeatureMatchingOptions::declare(ParameterSet& p) {
            {.min = 0, .max = 1, .help = "Part of its range by which that may fall back"});
   p.number(
       "max-pairs", max_pairs,
-      {.min = 1, .max = 1e9, .help = "Pairs of matches to compare at most (some 64 bytes each)"});
+      {.min = 1, .max = 1e9, .help = "Pairs of matches to compare at most (some 80 bytes each)"});
 }
 
 namespace {

@@ -54,8 +54,7 @@ struct FeatureMatchingOptions {
   void validate() const { validate_options(*this); }
 };
 
-/// What matching needs of one animation. Features at the same vertex are one (5.5.1): the
-/// strongest.
+/// What matching needs of one animation. Features at the same vertex at different times stay apart.
 struct FeaturePlaces {
   struct Place {
     Feature feature;

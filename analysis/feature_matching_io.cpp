@@ -79,18 +79,25 @@ std::string matches_csv(const FeatureMatching& matching, const FeatureSet& sourc
   return text;
 }
 
-void write_matches(const std::filesystem::path& path, const FeatureMatching& matching,
-                   const FeatureSet& source, const FeatureSet& target) {
+void check_matches_path(const std::filesystem::path& path) {
   const std::string extension = lower(path.extension().string());
   if (extension != ".json" && extension != ".csv") {
     throw UsageError({.what = "matches are written as .json or .csv, not '" + extension + "'",
                       .file = path.string(),
                       .remedy = "Name the output matches.json or matches.csv"});
   }
-  OutputFile file(path);
-  file.write(extension == ".csv" ? matches_csv(matching, source, target)
-                                 : matches_json(matching, source, target));
-  file.commit();
+}
+
+std::string matches_text(const std::filesystem::path& path, const FeatureMatching& matching,
+                         const FeatureSet& source, const FeatureSet& target) {
+  check_matches_path(path);
+  return lower(path.extension().string()) == ".csv" ? matches_csv(matching, source, target)
+                                                    : matches_json(matching, source, target);
+}
+
+void write_matches(const std::filesystem::path& path, const FeatureMatching& matching,
+                   const FeatureSet& source, const FeatureSet& target) {
+  write_file(path, matches_text(path, matching, source, target));
 }
 
 }  // namespace kinemesh

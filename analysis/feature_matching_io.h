@@ -23,7 +23,12 @@ std::string matches_json(const FeatureMatching& matching, const FeatureSet& sour
                          const FeatureSet& target);
 std::string matches_csv(const FeatureMatching& matching, const FeatureSet& source,
                         const FeatureSet& target);
-/// By extension: .csv or .json; UsageError for another. The file appears whole or not at all.
+/// Throws UsageError unless the extension is .csv or .json.
+void check_matches_path(const std::filesystem::path& path);
+/// CSV or JSON by the extension; throws as check_matches_path().
+std::string matches_text(const std::filesystem::path& path, const FeatureMatching& matching,
+                         const FeatureSet& source, const FeatureSet& target);
+/// The same as a file, which appears whole or not at all.
 void write_matches(const std::filesystem::path& path, const FeatureMatching& matching,
                    const FeatureSet& source, const FeatureSet& target);
 

@@ -117,7 +117,7 @@ void add(Score& score, const Pair& pair, const FeaturePlaces& b,
          const FeatureMatchingOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
   const std::clock_t cpu = std::clock();
-  const FeatureMatching m = match_features(pair.a, b, options, {.gap = 1e-3, .iterations = 60});
+  const FeatureMatching m = match_features(pair.a, b, options, {.gap = 5e-4, .iterations = 60});
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;
   score.slowest = std::max(score.slowest, spent.count());
   score.slowest_cpu =

@@ -1,5 +1,6 @@
 #include "mesh/surface_map_io.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -43,11 +44,22 @@ void append(SurfaceMap& map, double face, const std::array<double, 3>& weights,
   if (confidence && !(*confidence >= 0.0 && *confidence <= 1.0)) {
     refuse(file, place, "the confidence lies outside 0 to 1");
   }
-  if (!map.points.empty() && confidence.has_value() == map.confidence.empty()) {
+  const auto mapped = [](const SurfacePoint& p) { return p.valid(); };
+  const bool first_confidence = confidence && map.confidence.empty();  // of all points so far
+  const bool others_differ = first_confidence ? std::ranges::any_of(map.points, mapped)
+                                              : !confidence && !map.confidence.empty();
+  if (others_differ && (first_confidence || point.valid())) {
     refuse(file, place, "some points have a confidence and others have none");
   }
+  // Points that are mapped nowhere need none: theirs is 0.
+  if (first_confidence) map.confidence.assign(map.points.size(), 0.0);
+  if (confidence || others_differ) map.confidence.push_back(confidence.value_or(0.0));
   map.points.push_back(point);
-  if (confidence) map.confidence.push_back(*confidence);
+}
+
+/// NaN stands for none.
+std::optional<double> known(double confidence) {
+  return std::isnan(confidence) ? std::nullopt : std::optional(confidence);
 }
 
 /// A name on one line.
@@ -99,8 +111,8 @@ void read_csv_line(SurfaceMap& map, std::string_view line, const std::string& fi
   if (fields[0] != static_cast<double>(map.points.size())) {
     refuse(file, place, "vertex " + std::to_string(map.points.size()) + " should come here");
   }
-  std::optional<double> confidence;
-  if (fields.size() == 6 && !std::isnan(fields[5])) confidence = fields[5];
+  const std::optional<double> confidence =
+      fields.size() == 6 ? known(fields[5]) : std::optional<double>();
   append(map, fields[1], {fields[2], fields[3], fields[4]}, confidence, file, place);
 }
 
@@ -158,7 +170,7 @@ SurfaceMap from_json(const std::string& text, const std::string& file) try {
   for (std::size_t v = 0; v < points.size(); ++v) {
     const auto p = points[v].get<std::array<double, 4>>();
     std::optional<double> sure;
-    if (!confidence.is_null()) sure = confidence[v].get<double>();
+    if (!confidence.is_null() && !confidence[v].is_null()) sure = confidence[v].get<double>();
     append(map, p[0], {p[1], p[2], p[3]}, sure, file, "point " + std::to_string(v));
   }
   return map;
@@ -204,7 +216,7 @@ SurfaceMap from_npz(const std::filesystem::path& path) {
   map.target_name = text_of("target");
   for (std::size_t v = 0; v < faces.size(); ++v) {
     std::optional<double> sure;
-    if (!confidence.empty()) sure = confidence[v];
+    if (!confidence.empty()) sure = known(confidence[v]);
     append(map, faces[v], {weights[3 * v], weights[3 * v + 1], weights[3 * v + 2]}, sure, name,
            "point " + std::to_string(v));
   }

@@ -109,12 +109,18 @@ std::string Canvas::svg(const SvgText& text, std::string_view id_prefix) const {
   return drawing::to_svg(width(), height(), drawing_->operations, text, id_prefix);
 }
 
+std::string Canvas::png_file(double scale) const { return encode_png(raster(scale)); }
+
+std::string Canvas::svg_file(const SvgText& text) const {
+  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n" + svg(text);
+}
+
 void Canvas::write_png(const std::filesystem::path& path, double scale) const {
-  kinemesh::write_png(path, raster(scale));
+  write_file(path, png_file(scale));
 }
 
 void Canvas::write_svg(const std::filesystem::path& path, const SvgText& text) const {
-  write_file(path, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n" + svg(text));
+  write_file(path, svg_file(text));
 }
 
 }  // namespace kinemesh

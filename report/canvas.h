@@ -85,6 +85,9 @@ class Canvas {
   /// one HTML page.
   std::string svg(const SvgText& text = {}, std::string_view id_prefix = "k") const;
 
+  /// The bytes of files that write_png and write_svg write.
+  std::string png_file(double scale = 2.0) const;
+  std::string svg_file(const SvgText& text = {}) const;
   void write_png(const std::filesystem::path& path, double scale = 2.0) const;
   void write_svg(const std::filesystem::path& path, const SvgText& text = {}) const;
 

@@ -124,35 +124,10 @@ class BranchAndBound {
 
 }  // namespace
 
-std::vector<double> least_costs(const PairTable& table) {
-  std::vector<double> result(table.size()), least(table.left_count(), 0.0);
-  for (uint32_t a = 0; a < table.size(); ++a) {
-    result[a] = table.cost(a);
-    for (const PairTable::Entry& e : table.row(a)) {
-      double& entry = least[table.left(e.other)];
-      entry = std::min(entry, e.cost);
-    }
-    for (const PairTable::Entry& e : table.row(a)) {
-      double& entry = least[table.left(e.other)];
-      result[a] += 0.5 * entry;
-      entry = 0.0;
-    }
-  }
-  return result;
-}
-
-double simple_bound(const PairTable& table, std::span<const double> least) {
-  double bound = 0.0;
-  for (uint32_t i = 0; i < table.left_count(); ++i) {
-    double best = 0.0;
-    for (const uint32_t a : table.of_left(i)) best = std::min(best, least[a]);
-    bound += best;
-  }
-  return bound;
-}
-
 double bound_by_ascent(SearchState& state, int64_t& branches) {
-  return BranchAndBound(state, branches).run();
+  const double bound = BranchAndBound(state, branches).run();
+  // What was struck out costs more than the cutoff, and no more is known of it.
+  return std::min(bound, state.cutoff());
 }
 
 }  // namespace kinemesh::graph_matching

@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 
 #include "config/error.h"
 #include "config/input_file.h"
@@ -102,13 +103,22 @@ class Parser {
     return static_cast<uint32_t>(value);
   }
 
-  double cost(std::size_t word) const {
+  double cost(std::size_t word) {
     std::string_view w = words_[word];
     if (w.size() > 1 && w[0] == '+' && w[1] != '-') w.remove_prefix(1);
     double value = 0.0;
     const auto [end, error] = std::from_chars(w.data(), w.data() + w.size(), value);
-    if (error != std::errc() || end != w.data() + w.size()) fail(quoted(w) + " is no cost");
+    // Out of range, with the value left alone: nearer to 0 than a number can be, or too large.
+    const bool tiny = error == std::errc::result_out_of_range &&
+                      std::abs(std::strtod(std::string(w).c_str(), nullptr)) < 1.0;
+    if ((error != std::errc() && !tiny) || end != w.data() + w.size()) {
+      fail(quoted(w) + " is no cost");
+    }
     if (!std::isfinite(value)) fail("the cost " + quoted(w) + " is not a finite number");
+    sum_ += std::abs(value);
+    if (!std::isfinite(sum_)) {
+      fail("the costs up to here add up to more than a number can hold (1.8e308)");
+    }
     return value;
   }
 
@@ -186,6 +196,7 @@ class Parser {
   const std::string& file_;
   std::size_t position_ = 0, line_number_ = 0, word_count_ = 0;
   std::array<std::string_view, 6> words_;
+  double sum_ = 0.0;  // of the costs' magnitudes
   bool has_header_ = false;
   std::size_t assignments_promised_ = 0, pairs_promised_ = 0;
   std::vector<std::pair<uint32_t, std::size_t>> order_;  // index and line of each assignment read

@@ -50,6 +50,25 @@ void LocalSearch::record() {
   if (energy_ >= best_energy_ - tiny) return;
   best_energy_ = energy_;
   best_ = now_;
+  best_is_new_ = true;
+}
+
+/// Sums the energy of the best matching afresh, without what moves left over by rounding.
+void LocalSearch::confirm_best() {
+  if (!best_is_new_) return;
+  best_is_new_ = false;
+  std::vector<char> chosen(table_.size(), 0);
+  double energy = 0.0;
+  for (const uint32_t a : best_) {
+    if (a == unmatched) continue;
+    energy += table_.cost(a);
+    for (const PairTable::Entry& e : table_.row(a)) energy += chosen[e.other] != 0 ? e.cost : 0.0;
+    chosen[a] = 1;
+  }
+  best_energy_ = energy;
+  if (energy <= 0.0) return;
+  best_energy_ = 0.0;
+  std::ranges::fill(best_, unmatched);
 }
 
 void LocalSearch::start_from(std::span<const uint32_t> matching) {
@@ -197,6 +216,7 @@ void LocalSearch::search(uint32_t moves, const std::function<bool()>& stop) {
     record();
     if (start_best_ < before - tiny) left = moves;
   }
+  confirm_best();
 }
 
 }  // namespace kinemesh::graph_matching

@@ -60,6 +60,7 @@ class LocalSearch {
   void forbid(uint32_t i, uint32_t from);
   double gain(uint32_t a) const { return a == unmatched ? 0.0 : gain_[a]; }
   void record();
+  void confirm_best();
 
   const PairTable& table_;
   std::mt19937_64 random_;
@@ -67,6 +68,7 @@ class LocalSearch {
   std::vector<double> gain_;  // cost of each assignment beside the matching
   double energy_ = 0.0, start_best_ = 0.0, best_energy_ = 0.0;
   Matching best_;
+  bool best_is_new_ = false;  ///< its energy was not summed afresh
   uint64_t clock_ = 0, work_ = 0;
   std::vector<uint64_t> tabu_, tabu_null_;  // until when
 };

@@ -38,7 +38,9 @@ void check_assignments(const MatchingProblem& p) {
 }  // namespace
 
 void MatchingProblem::validate() const {
+  double sum = std::abs(constant);
   check_assignments(*this);
+  for (const MatchingAssignment& it : assignments) sum += std::abs(it.cost);
   if (!std::isfinite(constant)) refuse("constant", "the constant is not finite", "");
   for (std::size_t e = 0; e < pairs.size(); ++e) {
     const MatchingPair& it = pairs[e];
@@ -50,6 +52,11 @@ void MatchingProblem::validate() const {
     if (!std::isfinite(it.cost)) {
       refuse(place, "the cost is not a finite number", "Use a large finite cost to forbid a pair");
     }
+    sum += std::abs(it.cost);
+  }
+  if (!std::isfinite(sum)) {
+    refuse("", "the costs add up to more than a number can hold (1.8e308)",
+           "Divide all costs by the same number");
   }
 }
 

@@ -33,7 +33,8 @@ struct MatchingProblem {
   double constant = 0.0;                          ///< added to every energy
 
   /// Throws InputError naming the assignment or pair for an index out of range, a cost that is not
-  /// finite, a pair of an assignment with itself, or an assignment given twice.
+  /// finite, a pair of an assignment with itself, or an assignment given twice; and when all costs
+  /// together are more than a number can hold.
   void validate() const;
   /// For each left node the assignment that the labelling (right node or `unmatched`) chooses, or
   /// `unmatched`. Throws InputError when it is not one right node per left node, uses a right node

@@ -1,6 +1,7 @@
 #include "analysis/graph_matching/pair_table.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "config/multiversion.h"
 
@@ -29,6 +30,11 @@ PairTable::PairTable(const MatchingProblem& problem)
     }
   }
   fill_entries(problem);
+  rescale();
+  fill_dense();
+}
+
+void PairTable::fill_dense() {
   if (size() > dense_assignments) return;
   dense_.assign(std::size_t{size()} * size(), 0.0);
   for (uint32_t a = 0; a < size(); ++a) {
@@ -100,6 +106,42 @@ void PairTable::merge_repeated(const std::vector<std::size_t>& begin, std::vecto
   entries_ = std::move(all);
 }
 
+/// No matching gains more than this in all.
+double PairTable::most_gained() const {
+  double gained = 0.0;
+  bool forbids = false;
+  for (const Entry& entry : entries_) {
+    gained -= 0.5 * std::min(entry.cost, 0.0);  // each stands twice
+    forbids |= entry.cost > 0.0;
+  }
+  for (const double cost : cost_) {
+    gained -= std::min(cost, 0.0);
+    forbids |= cost > 0.0;
+  }
+  if (!forbids) return gained;
+  return std::min(gained, -simple_bound(*this, least_costs(*this, true)));
+}
+
+/// Brings costs to a range in which rounding does no harm. To choose what costs more than all that
+/// can be gained is worse than to choose nothing, however much more it is.
+void PairTable::rescale() {
+  const double gained = most_gained();
+  exponent_ = gained > 0.0 ? 10 - std::ilogb(gained) : 0;
+  // In two steps: the power may be beyond what a number holds.
+  const double half = std::ldexp(1.0, exponent_ / 2),
+               rest = std::ldexp(1.0, exponent_ - exponent_ / 2);
+  const double most = gained > 0.0 ? 2.0 * (gained * half * rest) : 1.0;
+  for (double& cost : cost_) cost = std::min(cost * half * rest, most);
+  for (Entry& entry : entries_) entry.cost = std::min(entry.cost * half * rest, most);
+}
+
+double PairTable::sum_of_magnitudes() const {
+  double sum = 0.0;
+  for (const Entry& entry : entries_) sum += 0.5 * std::abs(entry.cost);  // each stands twice
+  for (const double cost : cost_) sum += std::abs(cost);
+  return sum;
+}
+
 double PairTable::searched(uint32_t a, uint32_t b) const {
   const std::span<const Entry> entries = row(a);
   const auto it = std::ranges::lower_bound(entries, b, {}, &Entry::other);
@@ -120,6 +162,33 @@ uint32_t PairTable::find(uint32_t i, uint32_t j) const {
   const std::span<const uint32_t> mine = of_left(i);
   const auto it = std::ranges::lower_bound(mine, j, {}, [this](uint32_t a) { return right_[a]; });
   return it != mine.end() && right_[*it] == j ? *it : unmatched;
+}
+
+std::vector<double> least_costs(const PairTable& table, bool gains_only) {
+  std::vector<double> result(table.size()), least(table.left_count(), 0.0);
+  for (uint32_t a = 0; a < table.size(); ++a) {
+    result[a] = gains_only ? std::min(table.cost(a), 0.0) : table.cost(a);
+    for (const PairTable::Entry& e : table.row(a)) {
+      double& entry = least[table.left(e.other)];
+      entry = std::min(entry, e.cost);
+    }
+    for (const PairTable::Entry& e : table.row(a)) {
+      double& entry = least[table.left(e.other)];
+      result[a] += 0.5 * entry;
+      entry = 0.0;
+    }
+  }
+  return result;
+}
+
+double simple_bound(const PairTable& table, std::span<const double> least) {
+  double bound = 0.0;
+  for (uint32_t i = 0; i < table.left_count(); ++i) {
+    double best = 0.0;
+    for (const uint32_t a : table.of_left(i)) best = std::min(best, least[a]);
+    bound += best;
+  }
+  return bound;
 }
 
 }  // namespace kinemesh::graph_matching

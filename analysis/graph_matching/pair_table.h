@@ -26,6 +26,12 @@ class PairTable {
   uint32_t right(uint32_t a) const { return right_[a]; }
   double cost(uint32_t a) const { return cost_[a]; }
 
+  /// All costs here are those of the problem times 2^exponent: what can be gained at most comes to
+  /// about a thousand. Costs above twice that, which forbid, are lowered to it.
+  int exponent() const { return exponent_; }
+  /// The sum of what all costs amount to.
+  double sum_of_magnitudes() const;
+
   struct Entry {
     uint32_t other;
     double cost;
@@ -51,10 +57,14 @@ class PairTable {
   double searched(uint32_t a, uint32_t b) const;
   void fill_lefts();
   void fill_entries(const MatchingProblem& problem);
+  void rescale();
+  double most_gained() const;
+  void fill_dense();
   void sort_rows(const std::vector<std::size_t>& begin, std::vector<Entry>& all) const;
   void merge_repeated(const std::vector<std::size_t>& begin, std::vector<Entry> all);
 
   uint32_t left_count_, right_count_;
+  int exponent_ = 0;
   std::vector<uint32_t> left_, right_;
   std::vector<double> cost_;
   std::vector<std::size_t> begin_;
@@ -64,5 +74,11 @@ class PairTable {
   std::vector<uint32_t> by_left_;
   std::vector<uint32_t> index_;  // assignment by left and right node; empty for very many
 };
+
+/// What each assignment costs at least, with half of each pair at its best; without its own cost
+/// where that is positive, when only gains count.
+std::vector<double> least_costs(const PairTable& table, bool gains_only = false);
+/// A bound that needs no iteration, from least_costs().
+double simple_bound(const PairTable& table, std::span<const double> least);
 
 }  // namespace kinemesh::graph_matching

@@ -12,11 +12,8 @@ namespace kinemesh::graph_matching {
 
 using Clock = std::chrono::steady_clock;
 
-/// What each assignment costs at least, with half of each pair at its best.
-std::vector<double> least_costs(const PairTable& table);
-/// A bound that needs no iteration, from least_costs().
-double simple_bound(const PairTable& table, std::span<const double> least);
-
+/// Energies and bounds here are those of the problem, without the constant, times
+/// 2^table().exponent().
 class SearchState {
  public:
   /// `begin`: since when the time limit counts.
@@ -28,7 +25,10 @@ class SearchState {
   LocalSearch& local() { return local_; }
   double simple_bound() const { return simple_bound_; }
 
-  /// The least energy found so far, without the constant.
+  /// What the sums behind a bound may be wrong by.
+  double rounding() const;
+
+  /// The least energy found so far.
   double energy() const { return local_.best_energy(); }
   /// Energies from here on are not worth looking for.
   double cutoff() const;
@@ -53,14 +53,13 @@ class SearchState {
   PairTable table_;
   LocalSearch local_;
   std::vector<double> least_;
-  double simple_bound_;
+  double simple_bound_, sum_of_magnitudes_;
   int64_t iterations_ = 0;
   uint64_t starts_ = 0;
   bool out_of_time_ = false;
 };
 
-/// Both return a bound below every energy (without the constant), minus infinity when stopped
-/// before there was one.
+/// Both return a bound below every energy, minus infinity when stopped before there was one.
 double bound_by_ascent(SearchState& state, int64_t& branches);
 double bound_by_subgradient(SearchState& state);
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <vector>
 
 #include "analysis/graph_matching/search_state.h"
 #include "config/text.h"
@@ -34,7 +36,7 @@ void MatchingOptions::declare(ParameterSet& p) {
 namespace graph_matching {
 namespace {
 
-constexpr double tiny_gap = 1e-12;      // energies that differ by less are the same
+constexpr double tiny_gap = 1e-12;      // energies (rescaled) that differ by less are the same
 constexpr double worth_saying = 200e6;  // bytes
 
 }  // namespace
@@ -47,12 +49,18 @@ SearchState::SearchState(const MatchingProblem& problem, const MatchingOptions& 
       table_(problem),
       local_(table_, ctx.seed()),
       least_(least_costs(table_)),
-      simple_bound_(graph_matching::simple_bound(table_, least_)) {
+      simple_bound_(graph_matching::simple_bound(table_, least_)),
+      sum_of_magnitudes_(table_.sum_of_magnitudes()) {
   local_.start_greedy();  // whatever the time limit, there is a matching
 }
 
 double SearchState::cutoff() const {
   return energy() - std::max(options_.gap * std::abs(energy()), tiny_gap);
+}
+
+double SearchState::rounding() const {
+  const double steps = static_cast<double>(table_.left_count()) + static_cast<double>(iterations_);
+  return std::numeric_limits<double>::epsilon() * steps * sum_of_magnitudes_;
 }
 
 double SearchState::seconds() const {
@@ -96,12 +104,19 @@ void SearchState::improve(uint64_t work) {
 
 namespace {
 
+/// Left and right nodes that an assignment names.
+std::size_t nodes_in_use(const MatchingProblem& problem) {
+  std::vector<char> left(problem.left_count, 0), right(problem.right_count, 0);
+  for (const MatchingAssignment& a : problem.assignments) left[a.left] = right[a.right] = 1;
+  return static_cast<std::size_t>(std::ranges::count(left, 1) + std::ranges::count(right, 1));
+}
+
 /// Says before the work how much memory it may take, when that is much.
 void say_memory(const MatchingProblem& problem, const MatchingOptions& options,
                 const RunContext& ctx) {
   using graph_matching::PairTable;
   const double size = static_cast<double>(problem.assignments.size());
-  const double elements = size + problem.left_count + problem.right_count;
+  const double elements = size + static_cast<double>(nodes_in_use(problem));
   const bool dense = problem.assignments.size() <= PairTable::dense_assignments;
   const double table = 2.0 * sizeof(PairTable::Entry) * static_cast<double>(problem.pairs.size()) +
                        (dense ? sizeof(double) * size * size : 0.0);
@@ -126,20 +141,29 @@ MatchingResult solve_matching(const MatchingProblem& problem, const MatchingOpti
   const double bound = options.method == MatchingMethod::subgradient
                            ? graph_matching::bound_by_subgradient(state)
                            : graph_matching::bound_by_ascent(state, result.branches);
-  result.labelling.assign(problem.left_count, unmatched);
+  const std::vector<uint32_t> nothing(problem.left_count, unmatched);
+  result.labelling = nothing;
   const graph_matching::Matching& best = state.local().best();
   for (uint32_t i = 0; i < problem.left_count; ++i) {
     if (best[i] != unmatched) result.labelling[i] = problem.assignments[best[i]].right;
   }
   result.energy = problem.energy(result.labelling);
-  result.bound = std::min(std::max(bound, state.simple_bound()) + problem.constant, result.energy);
+  if (result.energy > problem.constant) {
+    result.labelling = nothing;
+    result.energy = problem.constant;
+  }
+  const double proven = std::max(bound - state.rounding(), state.simple_bound());
+  result.bound =
+      std::min(std::ldexp(proven, -state.table().exponent()) + problem.constant, result.energy);
   result.iterations = state.iterations();
   result.seconds = state.seconds();
   result.time_is_up = state.was_out_of_time();
   // Relative to what the matching gains; a constant, which no choice changes, does not count.
   const double gain = result.energy - problem.constant;
-  result.certified = result.energy - result.bound <=
-                     std::max(certified_gap * std::abs(gain), graph_matching::tiny_gap);
+  const double same = 2.0 * (graph_matching::tiny_gap + state.rounding());
+  result.certified =
+      result.energy - result.bound <=
+      std::max(certified_gap * std::abs(gain), std::ldexp(same, -state.table().exponent()));
   return result;
 }
 

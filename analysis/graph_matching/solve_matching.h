@@ -42,7 +42,8 @@ struct MatchingResult {
   int64_t iterations = 0;
   int64_t branches = 0;  ///< subproblems of branch and bound
   double seconds = 0.0;
-  bool certified = false;  ///< bound within `certified_gap` of the energy without the constant
+  bool certified = false;  ///< bound within `certified_gap` of the energy without the constant, or
+                           ///< within rounding
   bool time_is_up = false;
 };
 

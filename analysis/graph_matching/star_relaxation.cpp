@@ -1,10 +1,8 @@
 #include "analysis/graph_matching/star_relaxation.h"
 
 #include <algorithm>
-#include <limits>
 
 namespace kinemesh::graph_matching {
-namespace {}  // namespace
 
 /// Collects what both stars hold of a's pairs into the linear assignment of star a.
 void StarRelaxation::gather(uint32_t a) {

@@ -6,6 +6,7 @@
 #include "analysis/feature_matching.h"
 #include "analysis/feature_matching_io.h"
 #include "cli/commands/commands.h"
+#include "config/output_file.h"
 #include "config/text.h"
 #include "mesh/formats/mesh_io.h"
 #include "report/match_view.h"
@@ -16,7 +17,7 @@ namespace {
 struct Arguments {
   std::string features_a, features_b, animation_a, animation_b, output, picture;
   FeatureMatchingOptions matching;
-  MatchingOptions solver{.gap = 1e-3, .iterations = 60};
+  MatchingOptions solver{.gap = 5e-4, .iterations = 60};
   ReadOptions read;
 };
 
@@ -53,8 +54,10 @@ std::vector<Eigen::Vector3f> places(const std::vector<uint32_t>& features, const
   return points;
 }
 
-void draw(const Arguments& args, const FeatureMatching& matching, const FeatureSet& a,
-          const FeatureSet& b, const Mesh& mesh_a, const Mesh& mesh_b, const RunContext& ctx) {
+/// The picture as a file's bytes.
+std::string draw(const Arguments& args, const FeatureMatching& matching, const FeatureSet& a,
+                 const FeatureSet& b, const Mesh& mesh_a, const Mesh& mesh_b,
+                 const RunContext& ctx) {
   std::vector<MatchLine> lines;
   for (const FeatureMatch& m : matching.matches) {
     lines.push_back({mesh_a.positions[a.features[m.source].vertex],
@@ -75,9 +78,9 @@ void draw(const Arguments& args, const FeatureMatching& matching, const FeatureS
   const Canvas canvas =
       draw_matches(mesh_a, mesh_b, lines, places(matching.unmatched_source, a, mesh_a),
                    places(matching.unmatched_target, b, mesh_b), view, ctx);
-  lower(std::filesystem::path(args.picture).extension().string()) == ".svg"
-      ? canvas.write_svg(args.picture, {.title = view.title})
-      : canvas.write_png(args.picture);
+  return lower(std::filesystem::path(args.picture).extension().string()) == ".svg"
+             ? canvas.svg_file({.title = view.title})
+             : canvas.png_file();
 }
 
 std::string in_words(const FeatureMatching& matching) {
@@ -107,6 +110,7 @@ void refuse_picture(const std::string& picture) {
 }
 
 ExitCode run_match(const Arguments& args, Terminal& terminal) {
+  check_matches_path(args.output);
   refuse_picture(args.picture);
   const FeatureSet a = read_features(args.features_a), b = read_features(args.features_b);
   refuse_too_many_features(a.features.size(), b.features.size(), args.matching);
@@ -118,10 +122,13 @@ ExitCode run_match(const Arguments& args, Terminal& terminal) {
   const FeaturePlaces places_b = feature_places(b, mesh_b, args.matching, terminal.run);
   const FeatureMatching matching =
       match_features(places_a, places_b, args.matching, args.solver, terminal.run);
-  write_matches(args.output, matching, a, b);
+  OutputSet files;
+  files.add(args.output, matches_text(args.output, matching, a, b));
   if (!args.picture.empty()) {
-    draw(args, matching, a, b, mesh_a.mesh_at(0), mesh_b.mesh_at(0), terminal.run);
+    files.add(args.picture,
+              draw(args, matching, a, b, mesh_a.mesh_at(0), mesh_b.mesh_at(0), terminal.run));
   }
+  files.commit();
   terminal.print(terminal.json ? matches_json(matching, a, b) : in_words(matching));
   return ExitCode::done;
 }

@@ -125,8 +125,18 @@ std::string archive(const Mesh& mesh, const GeodesicField& field,
 
 }  // namespace
 
+void check_distance_path(const std::filesystem::path& path) {
+  const std::string extension = lower(path.extension().string());
+  for (const char* known : {".csv", ".npz", ".ply", ".png"}) {
+    if (extension == known) return;
+  }
+  throw UsageError({.what = "distances are written as .csv, .npz, .ply or .png, not as '" +
+                            path.filename().string() + "'"});
+}
+
 void add_distance_files(OutputSet& files, const std::filesystem::path& path, const Mesh& mesh,
                         const GeodesicField& field, std::span<const GeodesicPath> paths) {
+  check_distance_path(path);
   const std::string extension = lower(path.extension().string());
   if (extension == ".csv") {
     files.add(path, distances_csv(field));
@@ -137,8 +147,7 @@ void add_distance_files(OutputSet& files, const std::filesystem::path& path, con
   } else if (extension == ".npz") {
     files.add(path, archive(mesh, field, paths));
   } else {
-    throw UsageError({.what = "distances are written as .csv, .npz, .ply or .png, not as '" +
-                              path.filename().string() + "'"});
+    throw InternalError("add_distance_files: pictures are drawn by report/distance_view");
   }
 }
 

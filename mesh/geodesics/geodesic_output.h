@@ -11,6 +11,9 @@
 
 namespace kinemesh {
 
+/// Throws UsageError unless the extension is .csv, .npz, .ply or .png (drawn elsewhere).
+void check_distance_path(const std::filesystem::path& path);
+
 /// Adds to `files`, by the extension of `path`:
 ///   .csv  `vertex,distance`, one line per vertex from 0, "inf" where no path leads;
 ///         paths: NAME_path.csv, `path,x,y,z,face,b0,b1,b2`, from source to end
@@ -18,7 +21,7 @@ namespace kinemesh {
 ///         paths: NAME_path.ply, points and edges
 ///   .npz  distances (float64), nearest_source (int64), sources (face, b0, b1, b2), path_points
 ///         (n × 3), path_faces, path_weights (n × 3), path_starts (first point of each path)
-/// Throws UsageError for another extension.
+/// Throws like check_distance_path().
 void add_distance_files(OutputSet& files, const std::filesystem::path& path, const Mesh& mesh,
                         const GeodesicField& field, std::span<const GeodesicPath> paths);
 

@@ -56,7 +56,8 @@ void GeodesicOptions::declare(ParameterSet& p) {
       "method", method,
       {{GeodesicMethod::exact, "exact", "exact distances on the triangles"},
        {GeodesicMethod::dijkstra, "dijkstra", "along edges: some 5 to 10 % too long"},
-       {GeodesicMethod::heat, "heat", "by diffusion: quick for many sources, 1 to 2 % off"}},
+       {GeodesicMethod::heat, "heat",
+        "by diffusion: quick for many sources, on average 1 to 2 % off"}},
       "How distances are measured");
   p.number("radius", radius_mm,
            {.unit = "mm",

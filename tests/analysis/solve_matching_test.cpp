@@ -164,6 +164,49 @@ TEST(SolveMatching, SameSeedSameResultForAnyThreadCount) {
   EXPECT_EQ(a.iterations, b.iterations);
 }
 
+TEST(SolveMatching, TheBoundHoldsWhateverTheGap) {
+  for (const InstanceKind kind : all_kinds) {
+    const MatchingProblem p = test::make_instance(kind, 5, 3);
+    const double optimum = test::exhaustive_optimum(p);
+    for (const double gap : {0.01, 0.3, 1.0}) {
+      EXPECT_LE(solve_matching(p, {.gap = gap}).bound, optimum + 1e-9 * std::abs(optimum));
+    }
+  }
+}
+
+TEST(SolveMatching, CostsThatForbidDoNotBlurTheOthers) {
+  for (const InstanceKind kind : all_kinds) {
+    MatchingProblem p = test::make_instance(kind, 5, 7);
+    double optimum = 0.0;
+    for (const double cost : {1e5, 1e15, 1e18, 1e290}) {
+      for (std::size_t e = 0; e < p.pairs.size(); e += 3) p.pairs[e].cost = cost;
+      p.assignments[p.assignments.size() / 2].cost = cost;
+      if (cost == 1e5) optimum = test::exhaustive_optimum(p);
+      const MatchingResult r = solve_matching(p);
+      EXPECT_NEAR(r.energy, optimum, 1e-9 * (1 + std::abs(optimum)));
+      EXPECT_NEAR(r.bound, optimum, 1e-6 * (1 + std::abs(optimum)));
+      EXPECT_TRUE(r.certified);
+    }
+  }
+}
+
+TEST(SolveMatching, CostsOfAnyMagnitudeGiveTheSameMatching) {
+  for (const MatchingMethod method : {MatchingMethod::ascent, MatchingMethod::subgradient}) {
+    const MatchingProblem p = test::make_instance(InstanceKind::geometric, 5, 3);
+    const MatchingOptions options{.method = method, .iterations = 50};
+    const MatchingResult r = solve_matching(p, options);
+    for (const int exponent : {-900, -50, 900}) {
+      MatchingProblem scaled = p;
+      for (MatchingAssignment& a : scaled.assignments) a.cost = std::ldexp(a.cost, exponent);
+      for (MatchingPair& e : scaled.pairs) e.cost = std::ldexp(e.cost, exponent);
+      const MatchingResult s = solve_matching(scaled, options);
+      EXPECT_EQ(s.labelling, r.labelling);
+      EXPECT_EQ(s.bound, std::ldexp(r.bound, exponent));
+      EXPECT_EQ(s.certified, r.certified);
+    }
+  }
+}
+
 TEST(SolveMatching, NothingToMatch) {
   EXPECT_TRUE(solve_matching({}).certified);
   const MatchingResult r = solve_matching({.left_count = 3, .right_count = 0, .constant = 2.0});
@@ -197,6 +240,8 @@ TEST(SolveMatching, RefusesCostsThatAreNoNumbers) {
   EXPECT_THROW(solve_matching(p), InputError);
   p.pairs = {{0, 7, 1.0}};
   EXPECT_THROW(solve_matching(p), InputError);
+  p = {.left_count = 2, .right_count = 2, .assignments = {{0, 0, -1e308}, {1, 1, -1e308}}};
+  EXPECT_THROW(solve_matching(p), InputError);  // their sum is no number
 }
 
 TEST(SolveMatching, EndsWhenCancelled) {
@@ -248,6 +293,7 @@ TEST(DdFile, RefusesMalformedFilesByLine) {
       {"p 1 1 1 0\na 0 0 0 nan\n", "line 2", "not a finite number"},
       {"p 1 1 1 0\na 0 0 0 1e999\n", "line 2", "no cost"},
       {"p 1 1 1 0\na 0 0 0 1x\n", "line 2", "'1x' is no cost"},
+      {"p 2 2 2 0\na 0 0 0 -1e308\na 1 1 1 -1e308\n", "line 3", "more than a number can hold"},
       {"p 1 1 2 0\na 0 0 0 1\na 0 0 0 1\n", "line 3", "line 2 already"},
       {"p 1 1 2 0\nc\na 0 0 0 1\na 1 0 0 1\n", "line 4", "assigned in line 3 already"},
       {"p 1 1 1 0\na 0 0 0 1\na 0 0 0 1\n", "line 3", "more assignments"},
@@ -278,6 +324,12 @@ TEST(DdFile, ReadsCommentsAnyOrderAndRepeatedPairs) {
   EXPECT_EQ(p.assignments[0].cost, 0.1);
   EXPECT_EQ(p.assignments[1].right, 2U);
   EXPECT_DOUBLE_EQ(p.energy(std::vector<uint32_t>{0, 2}), 0.1 - 2.5 + 3 - 1);
+}
+
+TEST(DdFile, CostsNearerToNoughtThanANumberCanBeAreNought) {
+  const MatchingProblem p = parse_dd("p 1 2 2 0\na 0 0 0 -1e-999\na 1 0 1 1e-310\n", "x.dd");
+  EXPECT_EQ(p.assignments[0].cost, 0.0);
+  EXPECT_EQ(p.assignments[1].cost, 1e-310);
 }
 
 TEST(DdFile, TheMarkOfUtf8IsSkipped) {

@@ -73,6 +73,7 @@ TEST_F(GeodesicsCommand, MistakesHaveTheirExitCodeAndLeaveNothing) {
   EXPECT_EQ(run(place("plane.ply") + " --from 0 -o " + place("d.txt")), 2);
   EXPECT_EQ(run(place("plane.ply") + " -o " + place("d.csv")), 2);
   EXPECT_EQ(run(place("missing.ply") + " --from 0 -o " + place("d.csv")), 3);
+  EXPECT_EQ(run(place("missing.ply") + " --from 0 -o " + place("d.txt")), 2);  // before reading
   EXPECT_EQ(folder_.entry_count(), before);
 }
 

@@ -23,7 +23,8 @@ class MatchCommand : public test::CommandTest {
                    .rate_hz = 30,
                    .features = {}};
     for (const uint32_t v : {5U, 150U, 260U, 330U, 470U, 600U}) {
-      set.features.push_back({.vertex = v, .frame = v / 40, .time_s = v / 40 / 30.0});
+      const uint32_t frame = v / 40;
+      set.features.push_back({.vertex = v, .frame = frame, .time_s = frame / 30.0});
     }
     write_features(place("a.json"), set);
     set.features.clear();
@@ -57,6 +58,13 @@ TEST_F(MatchCommand, MistakesHaveTheirExitCode) {
   EXPECT_EQ(run(place("a.json") + " " + place("a.json") + meshes + " -o " + place("m.json") +
                 " --picture " + place("m.bmp")),
             2);
+  EXPECT_EQ(run(place("missing.json") + " " + place("a.json") + meshes + " -o " + place("m.txt")),
+            2);  // before anything is read
+  std::filesystem::remove(place("m.json"));
+  EXPECT_EQ(run(place("a.json") + " " + place("a.json") + meshes + " -o " + place("m.json") +
+                " --picture /proc/m.png"),
+            3);
+  EXPECT_FALSE(std::filesystem::exists(place("m.json")));  // all files or none
 }
 
 }  // namespace

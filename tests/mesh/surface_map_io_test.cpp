@@ -46,6 +46,20 @@ TEST(SurfaceMapIo, CsvIsAsDocumented) {
                                "0,3,0.1,0.2,0.7,0.25\n1,-1,0,0,0,0\n"));
 }
 
+TEST(SurfaceMapIo, PointsWithoutAPlaceNeedNoConfidence) {
+  const test::TemporaryFolder folder;
+  write_file(folder.path() / "m.csv",
+             "vertex,face,b0,b1,b2,confidence\n0,-1,0,0,0,\n1,1,0.5,0.5,0,0.5\n2,-1,0,0,0,\n");
+  write_file(folder.path() / "m.json",
+             "{\"format\": \"kinemesh surface map\", \"points\": [[-1, 0, 0, 0], [1, 0.5, 0.5, 0],"
+             " [-1, 0, 0, 0]], \"confidence\": [null, 0.5, null]}");
+  for (const char* name : {"m.csv", "m.json"}) {
+    const SurfaceMap map = read_surface_map(folder.path() / name);
+    EXPECT_EQ(map.confidence, (std::vector<double>{0.0, 0.5, 0.0})) << name;
+    EXPECT_FALSE(map.points[2].valid());
+  }
+}
+
 TEST(SurfaceMapIo, MalformedFilesAreRefusedByLine) {
   const test::TemporaryFolder folder;
   const std::string head = "# source: a\nvertex,face,b0,b1,b2,confidence\n0,1,0.5,0.5,0,\n";
