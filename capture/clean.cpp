@@ -63,6 +63,7 @@ class Cleaner {
     MarkerSequence& take = result_.take;
     if (has_twins(take)) step(0.0, 0.01, "unite-twins");
     if (options_.label && has_loose_points(take)) label();
+    warn_of_idle_template();
     if (labelled_markers(take) == 0) refuse_without_labels();
     if (take.frame_count() == 1) {
       ctx_.warn(
@@ -95,6 +96,12 @@ class Cleaner {
     result_.done.push_back(edit->apply(result_.take, context));
     result_.edits.steps.push_back(edit);
     took(name, start);
+  }
+
+  void warn_of_idle_template() const {
+    const auto labels = [](const auto& step) { return step->name() == "label"; };
+    if (options_.template_file.empty() || std::ranges::any_of(result_.edits.steps, labels)) return;
+    ctx_.warn("--template was not needed: every point of the take has a label.");
   }
 
   void label() {
@@ -177,18 +184,6 @@ void CleanOptions::validate() const {
   filter.validate();
   gaps.validate();
   const std::string leave = ", or leave it out";
-  const std::vector<std::string> filtering =
-      changed_parameters(filter, FilterOptions{.method = filter.method});
-  if (filter.method == FilterMethod::none) {
-    refuse_idle(filtering, {"cutoff", "filter-order", "window", "degree"}, "nothing is smoothed",
-                "Add --filter with a method" + leave);
-  } else if (filter.method == FilterMethod::butterworth) {
-    refuse_idle(filtering, {"window", "degree"}, "butterworth has a cut-off instead",
-                "Use --cutoff" + leave);
-  } else {
-    refuse_idle(filtering, {"cutoff", "filter-order"},
-                "only butterworth has a cut-off and an order", "Use --window" + leave);
-  }
   if (!stabilise) {
     refuse_idle(changed_parameters(head), {"rigid", "reference-frame"},
                 "the head's motion is not removed", "Add --stabilise" + leave);

@@ -63,8 +63,50 @@ Pair pair_of(const MarkerSequence& before, const MarkerSequence& after) {
 
 // ---- gaps ---------------------------------------------------------------------------------------
 
+/// How far the sample was moved, or taken out: the repairs, without the small steps of a filter.
+double moved(const Pair& pair, std::size_t f, std::size_t m) {
+  constexpr double least_mm = 1.0;
+  const std::size_t column = pair.column[m];
+  const std::optional<std::size_t> was = pair.frame(f);
+  if (column == MarkerSequence::npos || !was) return 0.0;
+  if (!pair.before.valid(*was, column) || !pair.after.valid(f, m)) return 0.0;
+  const double mm = (pair.after.position(f, m) - pair.before.position(*was, column)).norm();
+  return mm > least_mm ? mm : 0.0;
+}
+
+/// In other axes or another place altogether nothing can be laid over each other.
+bool comparable(const Pair& pair) {
+  constexpr double elsewhere_mm = 20.0;
+  std::size_t shared = 0, far = 0;
+  for (std::size_t f = 0; f < pair.after.frame_count(); f += 1 + pair.after.frame_count() / 50) {
+    for (std::size_t m = 0; m < pair.after.marker_count(); ++m) {
+      const std::size_t column = pair.column[m];
+      const std::optional<std::size_t> was = pair.frame(f);
+      if (column == MarkerSequence::npos || !was) continue;
+      if (!pair.before.valid(*was, column) || !pair.after.valid(f, m)) continue;
+      ++shared;
+      if (moved(pair, f, m) > elsewhere_mm) ++far;
+    }
+  }
+  return shared > 0 && 2 * far < shared;
+}
+
 /// The kinds of default_gap_styles().
 enum : std::size_t { missing = 0, estimated = 2, repaired = 3 };
+
+/// Measured samples that are at another place than they were, as after labels were exchanged.
+std::vector<GapInterval> moved_intervals(const Pair& pair, std::size_t marker) {
+  std::vector<GapInterval> out;
+  for (std::size_t f = 0; f < pair.after.frame_count(); ++f) {
+    if (pair.after.filled(f, marker) || moved(pair, f, marker) == 0.0) continue;
+    if (!out.empty() && out.back().end == f) {
+      ++out.back().end;
+    } else {
+      out.push_back({f, f + 1, repaired});
+    }
+  }
+  return out;
+}
 
 std::vector<GapInterval> intervals(const MarkerSequence& take, std::size_t marker,
                                    const Pair* pair) {
@@ -99,6 +141,7 @@ GapChart empty_chart(const MarkerSequence& take, const std::string& title) {
 
 /// The same markers in the same rows of both charts, the ones missing most first.
 std::pair<GapChart, GapChart> gap_charts(const Pair& pair) {
+  const bool both = comparable(pair);
   constexpr std::size_t most_rows = 60;
   struct Row {
     std::string label;
@@ -112,6 +155,11 @@ std::pair<GapChart, GapChart> gap_charts(const Pair& pair) {
     if (pair.column[m] != MarkerSequence::npos) {
       row.before = intervals(pair.before, pair.column[m], nullptr);
     }
+    if (both) {
+      const std::vector<GapInterval> elsewhere = moved_intervals(pair, m);
+      row.after.insert(row.after.end(), elsewhere.begin(), elsewhere.end());
+      std::ranges::sort(row.after, {}, &GapInterval::begin);
+    }
     for (const auto* list : {&row.before, &row.after}) {
       for (const GapInterval& gap : *list) row.frames += gap.end - gap.begin;
     }
@@ -119,9 +167,13 @@ std::pair<GapChart, GapChart> gap_charts(const Pair& pair) {
   }
   std::ranges::stable_sort(rows, std::greater{}, &Row::frames);
   const std::size_t shown = std::min(rows.size(), most_rows);
-  std::pair charts{empty_chart(pair.before, "Before"), empty_chart(pair.after, "After")};
-  const std::string which = count_of(rows.size(), "marker") + " with gaps or repairs" +
-                            (shown < rows.size() ? ", the first " + std::to_string(shown) : "");
+  std::pair charts{
+      empty_chart(pair.before, "Before"),
+      empty_chart(pair.after, pair.same_frames ? "After" : "After, by its own frames")};
+  const std::string which =
+      rows.empty() ? "nothing was missing, nothing was repaired"
+                   : count_of(rows.size(), "marker") + " with gaps or repairs" +
+                         (shown < rows.size() ? ", the first " + std::to_string(shown) : "");
   charts.first.subtitle = charts.second.subtitle = which;
   for (std::size_t i = 0; i < shown; ++i) {
     charts.first.markers.push_back({rows[i].label, rows[i].before});
@@ -154,17 +206,6 @@ std::vector<Change> worst_of(const MarkerSequence& take, Size&& size) {
   }
   std::ranges::stable_sort(worst, std::greater{}, &Change::mm);
   return worst;
-}
-
-/// How far the sample was moved, or taken out: the repairs, without the small steps of a filter.
-double moved(const Pair& pair, std::size_t f, std::size_t m) {
-  constexpr double least_mm = 1.0;
-  const std::size_t column = pair.column[m];
-  const std::optional<std::size_t> was = pair.frame(f);
-  if (column == MarkerSequence::npos || !was) return 0.0;
-  if (!pair.before.valid(*was, column) || !pair.after.valid(f, m)) return 0.0;
-  const double mm = (pair.after.position(f, m) - pair.before.position(*was, column)).norm();
-  return mm > least_mm ? mm : 0.0;
 }
 
 /// The coordinate that moves most over the window.
@@ -224,29 +265,14 @@ LineChart trajectory_chart(const Pair& pair, const Change& change, const std::st
   LineChart chart{.title = take.markers()[change.marker].label + ": " + what,
                   .x = time_axis(take),
                   .y = {.label = std::string(1, "xyz"[axis]), .unit = "mm"}};
-  chart.series = {std::move(before), std::move(after)};
-  if (std::ranges::any_of(low.y, [](double v) { return std::isfinite(v); })) {
+  const auto shown = [](double v) { return std::isfinite(v); };
+  if (std::ranges::any_of(before.y, shown)) chart.series.push_back(std::move(before));
+  chart.series.push_back(std::move(after));
+  if (std::ranges::any_of(low.y, shown)) {
     chart.series.push_back(std::move(low));
     chart.series.push_back(std::move(high));
   }
   return chart;
-}
-
-/// In other axes or another place altogether nothing can be laid over each other.
-bool comparable(const Pair& pair) {
-  constexpr double elsewhere_mm = 20.0;
-  std::size_t shared = 0, far = 0;
-  for (std::size_t f = 0; f < pair.after.frame_count(); f += 1 + pair.after.frame_count() / 50) {
-    for (std::size_t m = 0; m < pair.after.marker_count(); ++m) {
-      const std::size_t column = pair.column[m];
-      const std::optional<std::size_t> was = pair.frame(f);
-      if (column == MarkerSequence::npos || !was) continue;
-      if (!pair.before.valid(*was, column) || !pair.after.valid(f, m)) continue;
-      ++shared;
-      if (moved(pair, f, m) > elsewhere_mm) ++far;
-    }
-  }
-  return shared > 0 && 2 * far < shared;
 }
 
 /// Whether the chart of another change shows this one with its band.
@@ -306,11 +332,11 @@ std::optional<StabiliseOptions> stabilising(const EditList& edits) {
 }
 
 /// Per frame the RMS distance of these markers from their mean place.
-Series motion_of(const MarkerSequence& take, const std::vector<std::string>& labels) {
+Series motion_of(const MarkerSequence& take, const std::vector<Marker>& markers) {
   Series series;
   std::vector<std::size_t> columns;
-  for (const std::string& label : labels) {
-    const std::size_t m = take.find(label);
+  for (const Marker& marker : markers) {
+    const std::size_t m = same_marker(take, marker);
     if (m != MarkerSequence::npos) columns.push_back(m);
   }
   const auto measured = [&](std::size_t f, std::size_t m) {
@@ -343,8 +369,10 @@ Series motion_of(const MarkerSequence& take, const std::vector<std::string>& lab
 
 std::vector<LineChart> head_charts(const MarkerSequence& before, const MarkerSequence& after,
                                    const StabiliseResult& steady) {
+  std::vector<Marker> markers;
   std::vector<std::string> labels;
   for (const std::size_t m : steady.shape.markers) {
+    markers.push_back(before.markers()[m]);
     labels.push_back(before.markers()[m].label);
   }
   std::vector<LineChart> charts;
@@ -355,7 +383,7 @@ std::vector<LineChart> head_charts(const MarkerSequence& before, const MarkerSeq
     LineChart chart{.title = title + " (rigid markers, RMS)",
                     .x = time_axis(take),
                     .y = {.label = "from mean place", .unit = "mm", .from_zero = true}};
-    chart.series = {motion_of(take, labels)};
+    chart.series = {motion_of(take, markers)};
     chart.series.back().label = join(labels, ", ");
     chart.series.back().colour = series_colour(done ? 0 : 1);
     charts.push_back(std::move(chart));
@@ -388,8 +416,9 @@ Canvas draw_cleaning(const MarkerSequence& before, const MarkerSequence& after,
     } catch (const Error&) {  // an earlier step of the list made the head's markers
     }
   }
-  const auto gaps = gap_charts(pair_of(before, after));
-  const auto trajectories = trajectory_charts(pair_of(steady ? steady->take : before, after));
+  const Pair pair = pair_of(steady ? steady->take : before, after);
+  const auto gaps = gap_charts(pair);
+  const auto trajectories = trajectory_charts(pair);
   charts.insert(charts.end(), trajectories.begin(), trajectories.end());
   const double gaps_height = draw_gap_chart(gaps.first, 0.5 * page_width - 1.5 * margin).height();
   const double charts_top = 56.0 + gaps_height + margin;
@@ -397,6 +426,9 @@ Canvas draw_cleaning(const MarkerSequence& before, const MarkerSequence& after,
   Canvas page(page_width, charts_top + rows * (chart_height + margin));
   page.text_within({margin, 34.0}, "What was done to " + title, page_width - 2.0 * margin,
                    {.size = 20.0, .bold = true});
+  if (gaps.first.markers.empty() && charts.empty()) {
+    page.text({margin, 52.0}, "Nothing was missing, nothing was repaired.", {.size = 13.0});
+  }
   draw_gaps(gaps, 56.0, page);
   const double half = 0.5 * page_width - 1.5 * margin;
   for (std::size_t i = 0; i < charts.size(); ++i) {

@@ -66,6 +66,17 @@ MarkerSequence with_noise(const MarkerSequence& take, double sd, uint64_t seed) 
   return noisy;
 }
 
+/// What somebody filled is no truth. Returns how many samples it forgets.
+std::size_t forget_filled(MarkerSequence& take) {
+  std::size_t forgotten = 0;
+  for (uint8_t& flags : take.flags()) {
+    if ((flags & SampleFlag::filled) == 0) continue;
+    flags = 0;
+    ++forgotten;
+  }
+  return forgotten;
+}
+
 /// What one method did in one trial.
 struct TrialScore {
   std::vector<double> errors;  // mm, one per gap
@@ -187,10 +198,16 @@ void EvaluateFillOptions::validate() const {
   for (const std::string& word : methods) method_named(word);
 }
 
-EvaluateFillResult evaluate_fill(const MarkerSequence& recorded, const EvaluateFillOptions& options,
+EvaluateFillResult evaluate_fill(const MarkerSequence& given, const EvaluateFillOptions& options,
                                  const RunContext& ctx) {
   options.validate();
   EvaluateFillResult result;
+  MarkerSequence recorded = given;
+  if (const std::size_t filled = forget_filled(recorded); filled > 0) {
+    result.warnings.push_back(count_of(filled, "sample was", "samples were") +
+                              " filled by somebody and stand for gaps here, not for the truth.");
+    ctx.warn(result.warnings.back());
+  }
   MarkerSequence mended;
   if (options.repair) {
     RepairResult repaired = repair_take(recorded, {}, ctx.part(0.0, 0.02, "repair"));
@@ -207,11 +224,15 @@ EvaluateFillResult evaluate_fill(const MarkerSequence& recorded, const EvaluateF
       std::ranges::count_if(starts, [](const auto& s) { return !s.empty(); }));
   const auto markers = static_cast<std::size_t>(options.markers);
   if (result.candidates < markers) {
-    throw NoResultError({.what = "Only " + count_of(result.candidates, "marker is", "markers are") +
-                                 " measured for longer than a gap of " +
-                                 format_number(options.gap_s) + " s",
-                         .file = take.origin.path,
-                         .remedy = "Give fewer markers with --markers or a shorter --gap"});
+    const bool none = result.candidates == 0;
+    throw NoResultError(
+        {.what = (none ? "No marker is"
+                       : "Only " + count_of(result.candidates, "marker is", "markers are")) +
+                 " measured for longer than a gap of " + format_number(options.gap_s) + " s",
+         .file = take.origin.path,
+         .remedy = take.frame_count() < 4 ? "Give a longer take"
+                   : none                 ? "Give a shorter --gap or a longer take"
+                          : "Give fewer markers with --markers or a shorter --gap"});
   }
   const auto trials = static_cast<std::size_t>(options.trials);
   for (std::size_t k = 0; k < options.methods.size(); ++k) {

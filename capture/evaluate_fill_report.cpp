@@ -21,13 +21,13 @@ std::string evaluate_fill_text(const EvaluateFillResult& result) {
   text += "Error of a gap of " + count_of(result.gap_frames, "frame") +
           " in mm (root mean square over its frames, 3D), over gaps; samples in the 90 % band in "
           "percent, its mean radius in mm:\n"
-          "method      gaps  not filled  median     90 %  maximum  in band  radius\n";
+          "method      gaps  not filled    median      90 %   maximum  in band  radius\n";
   for (const FillScore& s : result.scores) {
     const std::string name(name_of(s.method));
     text += name + std::string(10 - std::min<std::size_t>(10, name.size()), ' ') +
             cell(static_cast<double>(s.gaps), 0, 6) +
-            cell(static_cast<double>(s.not_filled), 0, 12) + cell(s.median_mm, 3, 8) +
-            cell(s.percentile_90_mm, 3, 9) + cell(s.maximum_mm, 3, 9) +
+            cell(static_cast<double>(s.not_filled), 0, 12) + cell(s.median_mm, 3, 10) +
+            cell(s.percentile_90_mm, 3, 10) + cell(s.maximum_mm, 3, 10) +
             cell(s.within_band_percent, 1, 9) + cell(s.band_width_mm, 2, 8) + "\n";
   }
   return text;

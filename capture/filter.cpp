@@ -8,6 +8,7 @@
 #include "capture/filter/butterworth.h"
 #include "capture/filter/windows.h"
 #include "capture/gaps.h"
+#include "capture/idle_options.h"
 #include "config/error.h"
 #include "config/parallel.h"
 #include "config/text.h"
@@ -94,15 +95,18 @@ double worst_stretch(std::span<const std::vector<double>> runs, double rate_hz, 
 }
 
 /// What residual analysis suggests rests on the whole take, in which a blink weighs nothing. It is
-/// raised until no quarter of a second loses more than noise.
+/// raised until no quarter of a second loses more than noise. Below `least_hz` next to no noise is
+/// left to be gained, and what the last samples are off by would be smeared over many frames.
 double cutoff_for(const Coordinates& series, double rate_hz, const FilterOptions& options) {
   constexpr double most = 1.6;  // × the noise: its own RMS over such a stretch hardly exceeds that
   constexpr double step = 1.1;
+  constexpr double least_hz = 6.0;
   if (options.cutoff_hz > 0.0) return options.cutoff_hz;
   std::vector<std::vector<double>> all;
   for (const auto& axis : series) all.insert(all.end(), axis.begin(), axis.end());
-  double cutoff = suggest_cutoff(all, rate_hz, options.order);
   const double highest = highest_share * rate_hz;
+  double cutoff =
+      std::max(std::min(least_hz, highest), suggest_cutoff(all, rate_hz, options.order));
   for (const auto& axis : series) {
     const double accepted = most * noise_of(axis);
     while (cutoff < highest && worst_stretch(axis, rate_hz, options.order, cutoff) > accepted) {
@@ -239,6 +243,21 @@ void FilterOptions::declare(ParameterSet& p) {
 
 void FilterOptions::validate() const {
   validate_options(*this);
+  const std::vector<std::string> changed =
+      changed_parameters(*this, FilterOptions{.method = method});
+  if (method == FilterMethod::none) {
+    refuse_idle(changed, {"cutoff", "filter-order", "window", "degree"}, "nothing is smoothed",
+                "Add --filter with a method, or leave it out");
+  } else if (method == FilterMethod::butterworth) {
+    refuse_idle(changed, {"window", "degree"}, "butterworth has a cut-off instead",
+                "Use --cutoff, or leave it out");
+  } else {
+    refuse_idle(changed, {"cutoff", "filter-order"}, "only butterworth has a cut-off and an order",
+                "Use --window, or leave it out");
+    if (method != FilterMethod::savitzky_golay) {
+      refuse_idle(changed, {"degree"}, "only savitzky-golay has a degree", "Leave it out");
+    }
+  }
   if (window % 2 == 0) {
     throw UsageError({.what = "the filter's window of " + std::to_string(window) + " is even",
                       .remedy = "Give an odd number of frames"});
@@ -315,7 +334,9 @@ FilterResult filter_take(const MarkerSequence& take, const FilterOptions& option
     throw UsageError({.what = "a window of " +
                               count_of(static_cast<std::size_t>(options.window), "frame") +
                               " is longer than the take of " + std::to_string(take.frame_count()),
-                      .remedy = "Give a shorter --window"});
+                      .remedy = take.frame_count() < shortest_run
+                                    ? "Leave --filter out: there is nothing to smooth"
+                                    : "Give a shorter --window"});
   }
   FilterResult result;
   result.take = take;

@@ -168,7 +168,7 @@ class Judge {
     gravest();
     if (!r_.reasons.empty()) {
       const bool to_be_labelled = r_.frames > 1 && r_.markers == 0 && r_.loose_points > 0;
-      r_.verdict = to_be_labelled ? Verdict::fit_after_cleaning : Verdict::repeat;
+      r_.verdict = to_be_labelled ? Verdict::unlabelled : Verdict::repeat;
       return;
     }
     mendable();
@@ -185,10 +185,9 @@ class Judge {
     say(r_.frames == 0, "there are no frames");
     say(r_.frames == 1, "there is one frame only, no motion");
     say(r_.frames > 0 && r_.markers == 0,
-        r_.loose_points > 0
-            ? "all points are unlabelled; label them first, from another take of the "
-              "subject (kinemesh c3d process --template)"
-            : "there are no markers");
+        r_.loose_points > 0 ? "all points are unlabelled; label them from another take of the "
+                              "subject (kinemesh c3d process --template)"
+                            : "there are no markers");
     if (r_.frames < 2 || r_.markers == 0) return;
     constexpr std::size_t fewest = 10;  // neither noise nor motion is told from fewer
     say(r_.frames < fewest,
@@ -293,6 +292,7 @@ std::string_view name_of(Verdict verdict) {
     case Verdict::fit: return "fit";
     case Verdict::fit_after_cleaning: return "fit after cleaning";
     case Verdict::repeat: return "repeat the take";
+    case Verdict::unlabelled: return "cannot be graded before it is labelled";
   }
   return "fit";
 }

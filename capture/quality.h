@@ -34,8 +34,9 @@ struct QualityOptions {
   void validate() const { validate_options(*this); }
 };
 
-enum class Verdict { fit, fit_after_cleaning, repeat };
-/// "fit", "fit after cleaning", "repeat the take".
+/// `unlabelled`: all points are, so that nothing can be judged yet.
+enum class Verdict { fit, fit_after_cleaning, repeat, unlabelled };
+/// "fit", "fit after cleaning", "repeat the take", "cannot be graded before it is labelled".
 std::string_view name_of(Verdict verdict);
 
 struct MarkerQuality {

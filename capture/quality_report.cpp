@@ -103,8 +103,8 @@ std::string frames_of(const QualityResult& r, const FrameRange& frames) {
   const auto number = [&](std::size_t f) {
     return std::to_string(r.first_frame + static_cast<int64_t>(f));
   };
-  return "frame " + number(frames.begin) +
-         (frames.size() > 1 ? " to " + number(frames.end - 1) : "");
+  if (frames.size() == 1) return "frame " + number(frames.begin);
+  return "frames " + number(frames.begin) + " to " + number(frames.end - 1);
 }
 
 /// The line in as many lines as it needs, broken between words.
@@ -266,7 +266,8 @@ Canvas draw_quality(const QualityResult& r, const std::string& title) {
   const double top = 56.0 + line * static_cast<double>(verdict.size());
   const double bars = std::max({120.0, missing.natural_height(), noise.natural_height()});
   Canvas canvas(width, top + (head ? 3.0 : 1.0) * row + bars + 2.0 * margin);
-  const Colour colours[] = {colour_from_hex(0x1a7f37), colour_from_hex(0xb35900), missing_colour};
+  const Colour colours[] = {colour_from_hex(0x1a7f37), colour_from_hex(0xb35900), missing_colour,
+                            colour_from_hex(0xb35900)};
   canvas.text({margin, 28.0}, title, {.size = 18.0, .bold = true});
   style.colour = colours[static_cast<int>(r.verdict)];
   for (std::size_t i = 0; i < verdict.size(); ++i) {

@@ -20,6 +20,11 @@ std::string frame_number(const MarkerSequence& take, std::size_t f) {
   return std::to_string(take.first_frame + static_cast<int64_t>(f));
 }
 
+std::string frames_said(const std::string& from, const std::string& to) {
+  if (from == to) return "frame " + from;
+  return "frames " + from + " to " + to;
+}
+
 void apply(const LabelSwap& swap, RepairResult& result) {
   const MarkerSequence& take = result.take;
   const std::string a = name_in(take, swap.a);
@@ -31,7 +36,8 @@ void apply(const LabelSwap& swap, RepairResult& result) {
       make_edit("swap", {{"a", {a}}, {"b", {b}}, {"from", {from}}, {"to", {to}}}));
   swap_samples(result.take, swap.a, swap.b, {swap.from, end});
   result.done.push_back(
-      "exchanged " + a + " and " + b + " from frame " + from + (swap.until ? " to " + to : " on") +
+      "exchanged " + a + " and " + b +
+      (swap.until ? " in " + frames_said(from, to) : " from frame " + from + " on") +
       ": they were " + format_fixed(swap.error_mm, 1) +
       " mm from where their neighbours say, now " + format_fixed(swap.mended_mm, 1) + " mm");
 }
@@ -54,8 +60,7 @@ void apply(const Spike& spike, RepairResult& result) {
       make_edit("delete", {{"markers", {label}}, {"from", {from}}, {"to", {to}}}));
   invalidate(take, spike.marker, spike.frames);
   result.done.push_back("took out a spike of " + label + " of " +
-                        format_fixed(spike.deviation_mm, 1) + " mm in frame " + from +
-                        (from == to ? "" : " to " + to));
+                        format_fixed(spike.deviation_mm, 1) + " mm in " + frames_said(from, to));
 }
 
 /// May the samples be given to their owner: is it measured in none of these frames?
@@ -71,8 +76,8 @@ void apply(const Stray& stray, RepairResult& result) {
   const std::string label = name_in(take, stray.marker);
   const std::string from = frame_number(take, stray.frames.begin);
   const std::string to = frame_number(take, stray.frames.end - 1);
-  const std::string where = " of " + label + ", frame " + from + (from == to ? "" : " to " + to) +
-                            ", " + format_fixed(stray.off_mm, 1) + " mm from its place";
+  const std::string where = " of " + label + ", " + frames_said(from, to) + ", " +
+                            format_fixed(stray.off_mm, 1) + " mm from its place";
   result.strays.push_back(stray);
   if (stray.owner) {
     const std::string owner = name_in(take, *stray.owner);
@@ -171,7 +176,7 @@ void RepairOptions::declare(ParameterSet& p) {
             .max = 1000.0,
             .help = "deviations below this many robust standard deviations are no spikes"});
   p.number("spike-length", spike_length_s,
-           {.unit = "s", .min = 0.0, .max = 10.0, .help = "longer deviations are no spikes"});
+           {.unit = "s", .min = 0.0, .max = 0.5, .help = "longer deviations are no spikes"});
   p.flag("swaps", swaps, "put labels right that markers exchanged");
   p.flag("strays", strays,
          "give stretches between two breaks that lie at another marker's place to it, and take out "

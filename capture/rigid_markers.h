@@ -23,4 +23,7 @@ struct RigidMarkersResult {
 /// worst hundredth of the frames (jumps) is disregarded.
 RigidMarkersResult find_rigid_markers(const MarkerSequence& take, const RunContext& ctx = {});
 
+/// Throws the NoResultError of a take without enough rigid markers; `what`: a sentence on it.
+[[noreturn]] void no_rigid_markers(const MarkerSequence& take, const std::string& what);
+
 }  // namespace kinemesh

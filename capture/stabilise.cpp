@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "capture/c3d/point_table.h"
 #include "capture/measured.h"
@@ -158,10 +159,37 @@ void take_shape_of(const Observed& frame, RigidShape& shape) {
   for (const bool seen : frame.visible) shape.weights.push_back(seen ? 1.0 : 0.0);
 }
 
+/// Markers that no frame shows with those that have a place, but three or more with each other, as
+/// those of a second subject who follows: they get places by the pose that is interpolated for the
+/// frame that shows most of them. Returns that frame; nothing when there is none.
+std::optional<std::size_t> place_apart(const std::vector<Observed>& frames,
+                                       const std::vector<HeadPose>& poses, RigidShape& shape) {
+  std::optional<std::size_t> best;
+  std::size_t most = 2;
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    if (frames[f].count <= most || poses[f].visible > 0) continue;
+    RigidShape alone = shape;
+    take_shape_of(frames[f], alone);
+    if (fit_pose(alone, frames[f].positions, frames[f].visible).interpolated) continue;
+    best = f;
+    most = frames[f].count;
+  }
+  if (!best) return best;
+  std::vector<HeadPose> between = poses;
+  interpolate(shape.centre(), between);
+  for (std::size_t k = 0; k < shape.markers.size(); ++k) {
+    if (!frames[*best].visible[k]) continue;
+    shape.positions[k] = between[*best].to_head(frames[*best].positions[k]);
+    shape.weights[k] = 1.0;
+  }
+  return best;
+}
+
 /// The shape as it stands in the frame with most markers (not on one line), and the poses by
 /// these; markers missing there join, round by round, from frames whose poses are known by then.
-void start_shape(const std::vector<Observed>& frames, RigidShape& shape, const RunContext& ctx,
-                 std::vector<HeadPose>& poses) {
+/// Returns the frames by which others were placed that are never seen with these.
+std::vector<std::size_t> start_shape(const std::vector<Observed>& frames, RigidShape& shape,
+                                     const RunContext& ctx, std::vector<HeadPose>& poses) {
   const Observed* start = &frames.front();
   for (const Observed& frame : frames) {
     if (frame.count <= start->count && &frame != start) continue;
@@ -170,10 +198,17 @@ void start_shape(const std::vector<Observed>& frames, RigidShape& shape, const R
   }
   take_shape_of(*start, shape);
   shape.residuals_mm.assign(shape.markers.size(), 0.0);
-  do {
+  std::vector<std::size_t> apart;
+  for (;;) {
     ctx.check_cancelled();
     fit_all(frames, shape, ctx, poses);
-  } while (place_more(frames, poses, shape));
+    if (place_more(frames, poses, shape)) continue;
+    const bool known =
+        std::ranges::any_of(poses, [](const HeadPose& p) { return !p.interpolated; });
+    const auto frame = known ? place_apart(frames, poses, shape) : std::nullopt;
+    if (!frame) return apart;
+    apart.push_back(*frame);
+  }
 }
 
 /// Head coordinates become those of the recording in the reference frame.
@@ -213,13 +248,6 @@ void move_to_head(const std::vector<HeadPose>& poses, MarkerSequence& take) {
   }
 }
 
-[[noreturn]] void no_rigid_markers(const MarkerSequence& take, const std::string& what) {
-  throw NoResultError({.what = what,
-                       .file = take.origin.path,
-                       .remedy = "Name at least three markers that are fixed to the head with "
-                                 "--rigid, or keep the head's motion"});
-}
-
 void summarise(StabiliseResult& result, const RunContext& ctx) {
   double squares = 0.0;
   for (const HeadPose& pose : result.poses) {
@@ -250,72 +278,49 @@ void summarise(StabiliseResult& result, const RunContext& ctx) {
   ctx.warn(result.warnings.back());
 }
 
-/// Some markers always change their distances least; a skull is told by how little they do.
-void refuse_soft_body(const MarkerSequence& take, const RigidMarkersResult& found) {
-  constexpr double least_mm = 2.0;  // noise, and markers that sit loosely
-  constexpr double share = 0.03;    // of the body's size
-  std::size_t fullest = 0;
-  std::ptrdiff_t most = -1;
-  for (std::size_t f = 0; f < take.frame_count(); ++f) {
-    const auto seen =
-        std::ranges::count_if(found.markers, [&](std::size_t m) { return measured(take, f, m); });
-    if (seen > most) fullest = f;
-    most = std::max(most, seen);
+/// Where one body takes over from another nothing says how the two lie to each other.
+void warn_of_apart(const std::vector<std::size_t>& frames, StabiliseResult& result,
+                   const RunContext& ctx) {
+  for (const std::size_t f : frames) {
+    result.warnings.push_back(
+        "The rigid markers seen in frame " +
+        std::to_string(result.take.first_frame + static_cast<int64_t>(f)) +
+        " are never seen together with those before them (another subject?): the head's motion is "
+        "taken out by them, too, but how it lies to the other frames is not known.");
+    ctx.warn(result.warnings.back());
   }
-  double size = 0.0;
-  for (const std::size_t a : found.markers) {
-    for (const std::size_t b : found.markers) {
-      if (!measured(take, fullest, a) || !measured(take, fullest, b)) continue;
-      size = std::max(size, static_cast<double>(
-                                (take.position(fullest, a) - take.position(fullest, b)).norm()));
+}
+
+/// What moves with the face, or slides on the head, spoils the pose.
+void warn_of_soft(StabiliseResult& result, const RunContext& ctx) {
+  constexpr double most_mm = 3.0;  // in nine of ten frames: jumps are no matter here
+  std::vector<std::string> soft;
+  for (std::size_t k = 0; k < result.shape.markers.size(); ++k) {
+    const std::size_t m = result.shape.markers[k];
+    std::vector<double> off;
+    for (std::size_t f = 0; f < result.poses.size() && result.shape.weights[k] > 0.0; ++f) {
+      if (result.poses[f].interpolated || !measured(result.take, f, m)) continue;
+      off.push_back((result.take.position(f, m).cast<double>() - result.shape.positions[k]).norm());
     }
+    if (off.empty()) continue;
+    const auto tenth = off.begin() + static_cast<std::ptrdiff_t>(off.size() * 9 / 10);
+    std::ranges::nth_element(off, tenth);
+    if (*tenth <= most_mm) continue;
+    soft.push_back(result.take.markers()[m].label + " (" + format_fixed(*tenth, 1) + " mm)");
   }
-  if (found.residual_mm <= std::max(least_mm, share * size)) return;
-  no_rigid_markers(take, "No markers move as one rigid body: those that come closest to it are " +
-                             format_fixed(found.residual_mm, 1) +
-                             " mm off their places (RMS), over a body of " + format_fixed(size, 0) +
-                             " mm");
-}
-
-/// True when half of the frames at least show three of these markers.
-bool is_seen(const MarkerSequence& take, const std::vector<std::size_t>& markers) {
-  std::size_t frames = 0;
-  for (std::size_t f = 0; f < take.frame_count(); ++f) {
-    const auto seen =
-        std::ranges::count_if(markers, [&](std::size_t m) { return measured(take, f, m); });
-    frames += seen >= 3 ? 1 : 0;
+  if (soft.empty()) return;
+  constexpr std::size_t most_names = 8;
+  if (soft.size() > most_names) {
+    soft.resize(most_names);
+    soft.emplace_back("…");
   }
-  return frames > 0 && 2 * frames >= take.frame_count();
-}
-
-/// Rigid markers by pattern; empty when none matches.
-std::vector<std::size_t> named(const MarkerSequence& take,
-                               const std::vector<std::string>& patterns) {
-  std::vector<std::size_t> out;
-  for (std::size_t m = 0; m < take.marker_count(); ++m) {
-    const Marker& marker = take.markers()[m];
-    const auto hit = [&](const std::string& p) {
-      return matches_wildcard(p, marker.label) ||
-             matches_wildcard(p, marker.subject + ":" + marker.label);
-    };
-    if (marker.kind == MarkerKind::marker && std::ranges::any_of(patterns, hit)) out.push_back(m);
-  }
-  return out;
+  result.warnings.push_back(
+      "Taken as rigid, but off their places on the head in a tenth of the frames: " +
+      join(soft, ", ") + ". Name others with --rigid if the head is not steady enough.");
+  ctx.warn(result.warnings.back());
 }
 
 }  // namespace
-
-void StabiliseOptions::declare(ParameterSet& p) {
-  p.group("stabilise", "Head stabilisation");
-  p.list("rigid", rigid,
-         {.metavar = "PATTERN",
-          .help = "markers fixed to the head; by default those with a head rig's usual names, or "
-                  "else those that move as one body"});
-  p.number("reference-frame", reference_frame,
-           {.min = 0,
-            .max = std::numeric_limits<int>::max(),
-            .help = "frame whose head position is kept; 0 for the first with all rigid markers"});
-}
 
 Eigen::Vector3d RigidShape::centre() const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -374,7 +379,7 @@ StabiliseResult stabilise_head(const MarkerSequence& take, std::span<const std::
   if (frames.empty()) no_rigid_markers(take, "The take has no frames");
   result.reference_frame = choose_reference(frames, take, options.reference_frame);
 
-  start_shape(frames, shape, ctx, result.poses);
+  const std::vector<std::size_t> apart = start_shape(frames, shape, ctx, result.poses);
   const auto fitted = [](const HeadPose& p) { return !p.interpolated; };
   if (std::ranges::none_of(result.poses, fitted)) {
     no_rigid_markers(take, "No frame shows three rigid markers that do not stand on one line");
@@ -392,38 +397,8 @@ StabiliseResult stabilise_head(const MarkerSequence& take, std::span<const std::
   result.take = take;
   move_to_head(result.poses, result.take);
   summarise(result, ctx);
-  return result;
-}
-
-StabiliseResult stabilise_head(const MarkerSequence& take, const StabiliseOptions& options,
-                               const RunContext& ctx) {
-  options.validate();
-  if (!options.rigid.empty()) {
-    const std::vector<std::size_t> rigid = named(take, options.rigid);
-    if (rigid.empty()) {
-      throw UsageError({.what = "--rigid " + join(options.rigid, " ") + " matches no marker",
-                        .remedy = "See the labels with \"kinemesh c3d info\""});
-    }
-    return stabilise_head(take, rigid, options, ctx);
-  }
-  const std::vector<std::size_t> rig = named(take, options.rig_names);
-  if (is_seen(take, rig)) return stabilise_head(take, rig, options, ctx);
-  const RigidMarkersResult found = find_rigid_markers(take, ctx);
-  if (found.markers.size() < 3) {
-    no_rigid_markers(take, take.frame_count() < 2
-                               ? "One frame does not show which markers move as one rigid body"
-                               : "No markers move as one rigid body");
-  }
-  refuse_soft_body(take, found);
-  StabiliseResult result = stabilise_head(take, found.markers, options, ctx);
-  result.chosen_from_motion = true;
-  std::vector<std::string> labels;
-  for (const std::size_t m : found.markers) labels.push_back(take.markers()[m].label);
-  result.warnings.push_back(
-      std::string(rig.empty() ? "No marker has a head rig's name"
-                              : "Most frames show fewer than three of the head rig's markers") +
-      "; taken as rigid from their motion: " + join(labels, ", ", " and ") + ".");
-  ctx.warn(result.warnings.back());
+  warn_of_apart(apart, result, ctx);
+  warn_of_soft(result, ctx);
   return result;
 }
 

@@ -75,7 +75,9 @@ struct StabiliseResult {
 /// Mean shape and poses by alternating least squares (generalised Procrustes analysis); a marker
 /// that fits worse than the others counts less (weight 1 / (its variance + the median variance)).
 /// The start is the frame that shows most of them; the others get their places from frames whose
-/// poses are known, round by round, and are left out, with a warning, when there are none.
+/// poses are known, round by round, and are left out, with a warning, when there are none. Three or
+/// more that are never seen with those (a second subject, after the first) are a body of their own,
+/// with a warning: how the two lie to each other is not known.
 /// Filled samples are not used as rigid. Poses between are interpolated (spherically, linearly at
 /// the head's centre), at the ends held.
 /// Throws UsageError for a name or frame that does not exist and NoResultError when no frame has

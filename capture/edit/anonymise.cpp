@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
+#include <set>
 
 #include "capture/c3d/write_plan.h"
 #include "config/text.h"
@@ -13,8 +15,13 @@ constexpr std::array kept_groups = {"POINT",         "ANALOG",   "FORCE_PLATFORM
                                     "EVENT",         "ROTATION", "MANUFACTURER",
                                     "EVENT_CONTEXT", "SUBJECTS", "TRIAL"};
 
-/// Replaces every occurrence, any case.
-std::string replaced(const std::string& text, const std::string& name, const std::string& by) {
+/// Replaces every occurrence, any case; `words`: none that is a part of a longer word.
+std::string replaced(const std::string& text, const std::string& name, const std::string& by,
+                     bool words) {
+  const auto in_word = [&](std::size_t i) {
+    return i < text.size() && (std::isalnum(static_cast<unsigned char>(text[i])) != 0 ||
+                               static_cast<unsigned char>(text[i]) >= 0x80);
+  };
   const std::string low = lower(text);
   const std::string wanted = lower(name);
   std::string out;
@@ -22,8 +29,10 @@ std::string replaced(const std::string& text, const std::string& name, const std
   for (;;) {
     const std::size_t hit = low.find(wanted, at);
     if (hit == std::string::npos) return out + text.substr(at);
-    out += text.substr(at, hit - at) + by;
-    at = hit + wanted.size();
+    const std::size_t end = hit + wanted.size();
+    const bool part = words && ((hit > 0 && in_word(hit - 1)) || in_word(end));
+    out.append(text, at, hit - at).append(part ? text.substr(hit, wanted.size()) : by);
+    at = end;
   }
 }
 
@@ -32,7 +41,7 @@ using Names = std::vector<std::pair<std::string, std::string>>;
 std::string without_names(std::string text, const Names& names) {
   constexpr std::size_t least = 3;  // shorter names occur within other words
   for (const auto& [old, now] : names) {
-    if (old.size() >= least) text = replaced(text, old, now);
+    text = replaced(text, old, now, old.size() < least);
   }
   return text;
 }
@@ -58,6 +67,24 @@ void clean_parameter(C3dParameter& p, const Names& names) {
   }
   if (p.dimensions.empty()) p.dimensions = {1};
   p.dimensions[0] = static_cast<uint8_t>(width);
+}
+
+/// A label that would become another marker's gets a number.
+void anonymise_labels(MarkerSequence& take, const Names& names) {
+  std::set<std::string> used;
+  for (Marker& m : take.markers()) {
+    m.description = without_names(m.description, names);
+    const std::string label = without_names(m.label, names);
+    const auto whole = [&](const std::string& l) { return m.subject + ":" + l; };
+    if (label == m.label) {
+      used.insert(whole(label));
+      continue;
+    }
+    m.label = label;
+    for (int k = 2; !used.insert(whole(m.label)).second; ++k) {
+      m.label = label + "_" + std::to_string(k);
+    }
+  }
 }
 
 }  // namespace
@@ -113,7 +140,7 @@ std::size_t anonymise_take(MarkerSequence& take) {
     }
     for (C3dParameter& p : g.parameters) clean_parameter(p, names);
   }
-  for (Marker& m : take.markers()) m.description = without_names(m.description, names);
+  anonymise_labels(take, names);
   for (Event& e : take.events) {
     e.label = without_names(e.label, names);
     e.context = without_names(e.context, names);

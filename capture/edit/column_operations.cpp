@@ -17,6 +17,7 @@ std::string span_text(const MarkerSequence& take, const FrameSpan& span) {
   const auto number = [&](std::size_t f) {
     return std::to_string(take.first_frame + static_cast<int64_t>(f));
   };
+  if (span.end - span.begin == 1) return " in frame " + number(span.begin);
   return " in frames " + number(span.begin) + " to " + number(span.end - 1);
 }
 
@@ -81,8 +82,8 @@ class Swap : public EditOperation {
     if (a_.empty() || b_.empty()) {
       throw UsageError({.what = "'a' and 'b' say which markers to swap, and one is missing"});
     }
-    const std::size_t a = marker_named(take, a_);
-    const std::size_t b = marker_named(take, b_);
+    const std::size_t a = marker_named(take, a_, "a");
+    const std::size_t b = marker_named(take, b_, "b");
     if (a == b) {
       throw UsageError({.what = "'a' and 'b' are the same marker, '" + a_ + "'",
                         .marker = a_,
@@ -172,7 +173,7 @@ class Move : public EditOperation {
   std::string apply(MarkerSequence& take, const EditContext& context) const override {
     (void)context;
     const std::size_t from = marker_named(take, marker_);
-    const std::size_t into = marker_named(take, into_);
+    const std::size_t into = marker_named(take, into_, "into");
     const FrameSpan span = frames_between(take, from_, to_);
     std::size_t moved = 0;
     for (std::size_t f = span.begin; f < span.end; ++f) {

@@ -19,7 +19,12 @@ std::shared_ptr<EditOperation> make_operation(std::string_view name) {
   return nullptr;
 }
 
-std::size_t marker_named(const MarkerSequence& take, const std::string& label) {
+std::size_t marker_named(const MarkerSequence& take, const std::string& label,
+                         const std::string& parameter) {
+  if (label.empty()) {
+    throw UsageError({.what = "'" + parameter + "' names a marker of the take, and is missing",
+                      .remedy = "Add a line such as " + parameter + " = \"CHIN\""});
+  }
   return marker_meant(take.markers(), label, "the step names");
 }
 
@@ -28,6 +33,11 @@ FrameSpan frames_between(const MarkerSequence& take, int64_t from, int64_t to) {
   const int64_t last = first + static_cast<int64_t>(take.frame_count()) - 1;
   const int64_t begin = from == 0 ? first : from;
   const int64_t end = to == 0 ? last : to;
+  if (from != 0 && to != 0 && begin > end) {
+    throw UsageError({.what = "'from' is " + std::to_string(begin) + " and 'to' is " +
+                              std::to_string(end) + ", which comes before it",
+                      .remedy = "Exchange the two"});
+  }
   if (begin < first || end > last || begin > end) {
     throw UsageError({.what = "frames " + std::to_string(begin) + " to " + std::to_string(end) +
                               " are no part of the take, which has " + std::to_string(first) +

@@ -49,8 +49,9 @@ std::shared_ptr<EditOperation> make_stage_operation(std::string_view name);
 
 // ---- what they share ----------------------------------------------------------------------------
 
-/// The marker with this label (marker_meant()).
-std::size_t marker_named(const MarkerSequence& take, const std::string& label);
+/// The marker with this label (marker_meant()), which the step's `parameter` names.
+std::size_t marker_named(const MarkerSequence& take, const std::string& label,
+                         const std::string& parameter = "marker");
 
 struct FrameSpan {
   std::size_t begin = 0, end = 0;  ///< 0-based, [begin, end)

@@ -5,6 +5,7 @@
 #include "capture/edit/timeline.h"
 #include "capture/filter.h"
 #include "capture/gap_fill.h"
+#include "capture/gaps.h"
 #include "capture/label.h"
 #include "capture/repair.h"
 #include "capture/session.h"
@@ -19,8 +20,10 @@ constexpr double rough_mm = 1.0;
 
 std::string gap_text(const GapFillResult& filled, const Fill& fill) {
   const int64_t first = filled.take.first_frame + static_cast<int64_t>(fill.frames.begin);
-  return filled.take.markers()[fill.marker].label + ", frames " + std::to_string(first) + " to " +
-         std::to_string(first + static_cast<int64_t>(fill.frames.size()) - 1);
+  std::string text = filled.take.markers()[fill.marker].label + ", frame";
+  if (fill.frames.size() == 1) return text + " " + std::to_string(first);
+  text += "s " + std::to_string(first) + " to ";
+  return text + std::to_string(first + static_cast<int64_t>(fill.frames.size()) - 1);
 }
 
 /// ", uncertain by 0.12 mm on average, by 0.9 mm at most (LCHK04, frames 12 to 30)"
@@ -44,8 +47,19 @@ void warn_of_rough(const GapFillResult& filled, const RunContext& run) {
   const Fill& worst = **std::ranges::max_element(rough, {}, &Fill::mean_sd_mm);
   run.warn(count_of(rough.size(), "gap is", "gaps are") + " uncertain by more than " +
            format_number(rough_mm) + " mm, the worst by " + format_fixed(worst.mean_sd_mm, 1) +
-           " mm (" + gap_text(filled, worst) +
-           "): look at the picture (--picture) before you use it");
+           " mm on average over its frames, by " + format_fixed(worst.max_sd_mm, 1) +
+           " mm at most (" + gap_text(filled, worst) +
+           "): look at these frames in the picture that --picture draws before you use them");
+}
+
+/// Of markers that were measured at all.
+std::size_t open_gaps(const GapFillResult& filled) {
+  std::size_t open = 0;
+  for (std::size_t m = 0; m < filled.take.marker_count(); ++m) {
+    if (std::ranges::find(filled.never_valid, m) != filled.never_valid.end()) continue;
+    open += find_gaps(filled.take, m, GapKind::unusable).gaps.size();
+  }
+  return open;
 }
 
 class FillGaps : public EditOperation {
@@ -70,6 +84,9 @@ class FillGaps : public EditOperation {
         "filled " + count_of(filled.fills.size(), "gap") + " (" + count_of(samples, "sample") + ")";
     if (!filled.fills.empty()) text += uncertainty_text(filled, samples);
     warn_of_rough(filled, context.run);
+    if (const std::size_t open = open_gaps(filled); open > 0) {
+      text += "; " + count_of(open, "gap") + " left open, which the method does not fill";
+    }
     if (!filled.never_valid.empty()) {
       text +=
           "; " + count_of(filled.never_valid.size(), "marker") + " without any measurement left";

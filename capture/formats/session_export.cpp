@@ -280,15 +280,14 @@ void list_left_out(const MarkerSequence& take, ExportFormat format, SessionExpor
 
 }  // namespace
 
-ExportFormat export_format_of(const fs::path& path) {
+ExportFormat export_format_of(const fs::path& path, const std::string& others) {
   const std::string extension = lower(path.extension().string());
   if (extension == ".csv") return ExportFormat::csv;
   if (extension == ".trc") return ExportFormat::trc;
   if (extension == ".json") return ExportFormat::json;
   if (extension == ".npz") return ExportFormat::npz;
-  throw UsageError({.what = "'" + path.string() +
-                            "' has none of the extensions .csv, .trc, .json "
-                            "and .npz, which choose the format",
+  throw UsageError({.what = "'" + path.string() + "' has none of the extensions " + others +
+                            ".csv, .trc, .json and .npz, which choose the format",
                     .remedy = "Give the output such an extension"});
 }
 

@@ -13,7 +13,8 @@ namespace kinemesh {
 enum class ExportFormat { csv, trc, json, npz };
 
 /// The format that a file's extension asks for. Throws UsageError naming the extensions.
-ExportFormat export_format_of(const std::filesystem::path& path);
+/// `others`: extensions that the caller writes itself, to be named beside these (".c3d, ").
+ExportFormat export_format_of(const std::filesystem::path& path, const std::string& others = "");
 
 struct SessionExportResult {
   std::vector<std::filesystem::path> files;  ///< written, in order

@@ -88,7 +88,8 @@ void write_take(const Arguments& args, const MarkerSequence& take, Terminal& ter
 }
 
 ExitCode process(Arguments& args, Terminal& terminal) {
-  if (!is_c3d(args.output)) export_format_of(args.output);  // said before the work is done
+  if (!is_c3d(args.output))
+    export_format_of(args.output, ".c3d, ");  // said before the work is done
   refuse_beside_edits(args);
   EditList steps;
   if (!args.edits.empty()) steps = read_edits(args.edits);
@@ -98,6 +99,11 @@ ExitCode process(Arguments& args, Terminal& terminal) {
   inputs.insert(inputs.end(), {args.file, args.edits, args.clean.template_file});
   refuse_to_replace(inputs, {args.output, args.edits.empty() ? args.record : "", picture});
   if (!args.clean.template_file.empty()) {
+    if (!fs::exists(args.clean.template_file)) {
+      throw InputError({.what = "The template does not exist",
+                        .file = args.clean.template_file,
+                        .remedy = "Name a labelled take of the same subject"});
+    }
     args.clean.template_file = fs::absolute(args.clean.template_file).string();
   }
   if (args.edits.empty()) refuse_to_replace_edited(args.record);

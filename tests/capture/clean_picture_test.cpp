@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "capture/clean.h"
 #include "capture/session.h"
+#include "tests/support/c3d_takes.h"
 #include "tests/support/data.h"
 
 namespace kinemesh::clean_picture_test {
@@ -22,6 +25,7 @@ TEST(CleanPicture, ShowsGapsChangesUncertaintyAndTheHead) {
   EXPECT_NE(text.find("What was done to ben_surprise.c3d"), std::string::npos);
   EXPECT_NE(text.find("RMOU06: moved by 1"), std::string::npos);  // the exchange of labels
   EXPECT_NE(text.find("RCHN01: moved by 1"), std::string::npos);
+  EXPECT_NE(text.find(">before<"), std::string::npos);
   EXPECT_NE(text.find("estimated, uncertain by up to 0."), std::string::npos);
   EXPECT_NE(text.find("Head before stabilising, motion per frame (rigid markers, RMS)"),
             std::string::npos);
@@ -55,6 +59,20 @@ TEST(CleanPicture, WithoutStabilisingThereIsNoHead) {
   EXPECT_NE(text.find("uncertain by up to"), std::string::npos);
 }
 
+TEST(CleanPicture, ExchangedLabelsAreRepairsAndACleanTakeIsSaidToBe) {
+  MarkerSequence take = test::make_take(100, 6);
+  std::ranges::fill(take.flags(), SampleFlag::valid);
+  EXPECT_NE(
+      shown(draw_cleaning(take, take, {}, "a")).find("Nothing was missing, nothing was repaired"),
+      std::string::npos);
+  const auto edits =
+      parse_edits("[[edit]]\ndo = \"swap\"\na = \"" + take.markers()[0].label + "\"\nb = \"" +
+                      take.markers()[1].label + "\"\nfrom = 20\nto = 40\n",
+                  "edits.toml");
+  const Canvas canvas = draw_cleaning(take, apply_edits(take, edits).take, edits, "a");
+  EXPECT_EQ(shown(canvas).find("Nothing was missing"), std::string::npos);
+}
+
 TEST(CleanPicture, TakesThatCannotBeLaidOverEachOtherAreDrawn) {
   const MarkerSequence before = sample("anna_happy.c3d");
   for (const char* toml :
@@ -67,6 +85,7 @@ TEST(CleanPicture, TakesThatCannotBeLaidOverEachOtherAreDrawn) {
     const Canvas canvas = draw_cleaning(before, after.take, edits, "a");
     EXPECT_GT(canvas.height(), 100.0) << toml;
     EXPECT_EQ(shown(canvas).find("moved by"), std::string::npos) << toml;
+    EXPECT_EQ(shown(canvas).find(">before<"), std::string::npos) << toml;
   }
 }
 

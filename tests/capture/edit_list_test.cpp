@@ -182,6 +182,9 @@ TEST(EditList, AnonymiseLeavesNoName) {
   take.parameters.set("TRIAL", text_parameter("NAME", "Maria 1"));
   take.parameters.set("MANUFACTURER", text_parameter("COMPANY", "Vicon"));
   take.parameters.set("ANALOG", text_parameter("DESCRIPTIONS", "EMG of Maria"));
+  take.markers()[1].label = "Maria_chin";
+  take.markers()[2].subject = "Al";
+  take.markers()[2].label = "al-malar_AL";
   const std::string bytes = encode_c3d(edited(take, "[[edit]]\ndo = \"anonymise\"\n"));
   std::string low = bytes;
   for (char& c : low) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -191,6 +194,8 @@ TEST(EditList, AnonymiseLeavesNoName) {
   const MarkerSequence back = test::read_encoded(bytes).take;
   EXPECT_EQ(back.markers()[0].subject, "S1");
   EXPECT_EQ(back.markers()[0].label, "M1");
+  EXPECT_EQ(back.markers()[1].label, "S1_chin");
+  EXPECT_EQ(back.markers()[2].label, "S2-malar_S2");
   EXPECT_EQ(back.events[0].subject, "S1");
 }
 
@@ -345,6 +350,9 @@ TEST(EditList, SaysWhatIsWrongAndWhere) {
   says("[[edit]]\ndo = \"resample\"\n", "missing");
   says("[[edit]]\ndo = \"resample\"\nrate = 1000000000\n", "rate");
   says("[[edit]]\ndo = \"merge-subjects\"\nsubjects = [\"zoe\"]\ninto = \"c\"\n", "'zoe'");
+  says("[[edit]]\ndo = \"crop\"\nfrom = 30\nto = 20\n", "comes before it");
+  says("[[edit]]\ndo = \"rename\"\nto = \"X\"\n", "'marker' names a marker");
+  says("[[edit]]\ndo = \"filter\"\nfilter = \"median\"\ncutoff = 6\n", "only butterworth");
   says("edit = 3\n", "edit");
   says("[edit\n", "line 1");
   says("[[edit]]\ndo = \"move\"\nmarker = \"M1\"\ninto = \"M2\"\n", "measured there");

@@ -72,6 +72,18 @@ TEST(EvaluateFill, ExchangedLabelsDoNotStandForTheTruth) {
       evaluate_fill(take, {.trials = 1, .repair = false, .methods = {"linear"}}).repaired.empty());
 }
 
+TEST(EvaluateFill, WhatSomebodyFilledIsNoTruth) {
+  MarkerSequence take = waving(100, 4);
+  for (std::size_t f = 40; f < 60; ++f) {
+    take.flags()[take.sample(f, 1)] = SampleFlag::valid | SampleFlag::filled;
+  }
+  const auto result =
+      evaluate_fill(take, {.markers = 3, .gap_s = 0.5, .trials = 1, .methods = {"linear"}});
+  EXPECT_EQ(result.candidates, 3U);
+  ASSERT_EQ(result.warnings.size(), 1U);
+  EXPECT_NE(result.warnings[0].find("20 samples were filled"), std::string::npos);
+}
+
 TEST(EvaluateFill, SaysWhatIsImpossible) {
   const MarkerSequence take = waving(50, 3);
   EXPECT_THROW(evaluate_fill(take, {.markers = 2, .gap_s = 2.0}), NoResultError);

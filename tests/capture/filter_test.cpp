@@ -71,7 +71,8 @@ TEST(Filter, NeverCrossesAGapThatWasNotFilled) {
   for (std::size_t f = 33; f < 60; ++f) other.position(f, 0) *= 3.0F;
   for (const FilterMethod method : {FilterMethod::butterworth, FilterMethod::savitzky_golay,
                                     FilterMethod::moving_average, FilterMethod::median}) {
-    const FilterOptions options{.method = method, .cutoff_hz = 8.0};
+    FilterOptions options{.method = method};
+    if (method == FilterMethod::butterworth) options.cutoff_hz = 8.0;
     const auto a = filter_take(take, options);
     const auto b = filter_take(other, options);
     EXPECT_EQ(a.runs, 2U);

@@ -270,6 +270,10 @@ TEST(Quality, BadInputIsGradedNotRefused) {
   EXPECT_EQ(verdict_of(MarkerSequence::invalid(50, {}, 100.0)), Verdict::repeat);
   EXPECT_EQ(verdict_of(MarkerSequence::invalid(50, {{.label = "A"}}, 100.0)), Verdict::repeat);
   EXPECT_EQ(verdict_of(test::make_take(1, 5)), Verdict::repeat);
+  MarkerSequence loose = MarkerSequence::invalid(2, {}, 100.0);
+  loose.unlabelled.offsets = {0, 1, 2};
+  loose.unlabelled.positions.assign(2, Eigen::Vector3f::Zero());
+  EXPECT_EQ(verdict_of(loose), Verdict::unlabelled);
   MarkerSequence twins = test::make_take(60, 5);
   twins.rate_hz = 0.0;
   twins.markers()[1].label = twins.markers()[0].label;
@@ -329,6 +333,13 @@ TEST(Clean, BadInput) {
     FAIL();
   } catch (const NoResultError& e) {
     EXPECT_NE(std::string(e.what()).find("--rigid"), std::string::npos) << e.what();
+  }
+  // A median of one frame: a shorter window would not help.
+  try {
+    clean_take(one, {.filter = {.method = FilterMethod::median}});
+    FAIL();
+  } catch (const UsageError& e) {
+    EXPECT_NE(std::string(e.what()).find("Leave --filter out"), std::string::npos) << e.what();
   }
   // A region that was never seen stays open, and is said.
   const MarkerSequence blind = without_markers(sample("anna_happy"), 30);

@@ -126,7 +126,7 @@ TEST(Repair, TheLabelsThatHoldForLongerAreRight) {
   EXPECT_EQ(mended.swaps[0].from, 0U);
   EXPECT_EQ(mended.swaps[0].until, 100U);
   ASSERT_EQ(mended.done.size(), 1U);
-  EXPECT_NE(mended.done[0].find("from frame 1 to 100"), std::string::npos) << mended.done[0];
+  EXPECT_NE(mended.done[0].find("in frames 1 to 100"), std::string::npos) << mended.done[0];
 }
 
 TEST(Repair, AnExchangeInTheFirstFramesIsMendedThere) {

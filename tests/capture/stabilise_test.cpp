@@ -167,6 +167,29 @@ TEST(Stabilise, AMarkerNeverSeenWithThreeOthersIsLeftOutAndNamed) {
   EXPECT_LT(worst_skin(result.take, pose(0), 280, 300), 15.0);  // held: the head moves on by that
 }
 
+TEST(Stabilise, ASecondSubjectWhoFollowsIsABodyOfItsOwn) {
+  MarkerSequence take = record(300, 0.0);
+  hide(take, {0, 1, 2}, 150, 300);
+  hide(take, {3, 4, 5}, 0, 150);
+  const auto result = stabilise_head(take, by_name);
+  EXPECT_EQ(result.interpolated_frames, 0U);
+  EXPECT_LT(result.rms_error_mm, 1e-3);
+  ASSERT_EQ(result.warnings.size(), 1U);
+  EXPECT_NE(result.warnings[0].find("frame 151 are never seen together"), std::string::npos);
+  EXPECT_LT(worst_skin(result.take, pose(0), 0, 150), 2e-3);
+  for (std::size_t f = 151; f < 300; ++f) {  // at rest, wherever that is
+    EXPECT_LT((result.take.position(f, 4) - result.take.position(150, 4)).norm(), 2e-3F);
+  }
+}
+
+TEST(Stabilise, NamedMarkersThatAreNotFixedAreSaid) {
+  const auto result = stabilise_head(record(300, 0.0), {.rigid = {"rig*", "skin2*", "skin0"}});
+  ASSERT_FALSE(result.warnings.empty());
+  EXPECT_NE(result.warnings.back().find("in a tenth of the frames: skin0 ("), std::string::npos)
+      << result.warnings.back();
+  EXPECT_EQ(result.warnings.back().find("rig"), result.warnings.back().find("rigid"));
+}
+
 TEST(Stabilise, MarkersJoinRoundByRound) {
   MarkerSequence take = record(300, 0.0);
   hide(take, {4, 5}, 0, 100);
@@ -191,7 +214,17 @@ TEST(Stabilise, TheReferenceFrameKeepsItsPlace) {
 TEST(Stabilise, SaysWhatIsMissing) {
   MarkerSequence take = record(20, 0.0);
   EXPECT_THROW(stabilise_head(take, {.rigid = {"nose"}}), UsageError);
-  EXPECT_THROW(stabilise_head(take, {.rigid = {"rig0", "rig1"}}), NoResultError);
+  try {
+    stabilise_head(take, {.rigid = {"rig0", "rig1", "rgi2"}});
+    FAIL();
+  } catch (const NoResultError& e) {
+    const std::string text = e.what();
+    EXPECT_NE(text.find("--rigid names 2 of the take"), std::string::npos) << text;
+    EXPECT_NE(text.find("rgi2 (did you mean rig2?)"), std::string::npos) << text;
+  }
+  const auto result = stabilise_head(take, {.rigid = {"rig0", "rig1", "rig2", "rgi3"}});
+  ASSERT_EQ(result.warnings.size(), 1U);
+  EXPECT_NE(result.warnings[0].find("rgi3 (did you mean"), std::string::npos);
   EXPECT_THROW(stabilise_head(take, {.rigid = {"rig*"}, .reference_frame = 99}), UsageError);
   for (std::size_t f = 0; f < 20; ++f) {  // on one line
     for (std::size_t m = 0; m < Head::rig; ++m) {

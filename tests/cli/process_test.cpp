@@ -71,7 +71,13 @@ TEST_F(Process, SaysWhatIsWrong) {
   EXPECT_EQ(wrong.exit_code, 2);
   EXPECT_NE(wrong.err.find("line 3"), std::string::npos) << wrong.err;
   EXPECT_FALSE(fs::exists(in("x.c3d")));
-  EXPECT_EQ(run({"c3d", "process", session_, "-o", in("x.dat")}).exit_code, 2);
+  const auto unknown = run({"c3d", "process", session_, "-o", in("x.dat")});
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_NE(unknown.err.find(".c3d, .csv"), std::string::npos) << unknown.err;
+  const auto missing =
+      run({"c3d", "process", session_, "-o", in("x.c3d"), "--template", in("none.c3d")});
+  EXPECT_EQ(missing.exit_code, 3);
+  EXPECT_NE(missing.err.find("none.c3d"), std::string::npos) << missing.err;
   fs::copy_file(session_, in("same.c3d"));
   EXPECT_EQ(run({"c3d", "process", in("same.c3d"), "-o", in("same.c3d")}).exit_code, 2);
 }
