@@ -10,11 +10,11 @@
 namespace kinemesh {
 namespace {
 
-using Points = std::vector<Eigen::Vector3d>;
+using Vectors = std::vector<Eigen::Vector3d>;
 
 class MirrorSearch {
  public:
-  MirrorSearch(const Points& points, const Points& normals, double spacing)
+  MirrorSearch(const Vectors& points, const Vectors& normals, double spacing)
       : points_(points), normals_(normals), spacing_(spacing) {
     for (std::size_t v = 0; v < points.size(); ++v) {
       centre_ += points[v] / static_cast<double>(points.size());
@@ -89,8 +89,8 @@ class MirrorSearch {
     return sum / static_cast<double>(count);
   }
 
-  const Points& points_;
-  const Points& normals_;
+  const Vectors& points_;
+  const Vectors& normals_;
   double spacing_;
   Eigen::Vector3d centre_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d front_ = Eigen::Vector3d::Zero();
@@ -99,7 +99,7 @@ class MirrorSearch {
 
 }  // namespace
 
-MirrorPlane find_mirror_plane(const Points& points, const Points& normals, double spacing) {
+MirrorPlane find_mirror_plane(const Vectors& points, const Vectors& normals, double spacing) {
   if (points.size() < 3 || spacing <= 0) return {};
   return MirrorSearch(points, normals, spacing).run();
 }
