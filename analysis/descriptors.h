@@ -31,9 +31,10 @@ void describe_features(FeatureSet& set, const AnimatedMesh& animation,
                        const DeformationResult& deformation, const DescriptorOptions& options = {},
                        const RunContext& ctx = {});
 
-/// Weights of the parts in the composite distance (5.3.5).
+/// Weights of the parts in the composite distance (5.3.5). The distances of curves are of
+/// normalised values, that of histograms is in radians: the weights make them count about alike.
 struct DescriptorWeights {
-  double displacement = 1.0, deformation = 1.0, histogram = 1.0;
+  double displacement = 6.0, deformation = 8.0, histogram = 1.0;
   void declare(ParameterSet& p);
   void validate() const { validate_options(*this); }
 };

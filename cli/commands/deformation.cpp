@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "analysis/deformation_output.h"
+#include "analysis/jumps.h"
 #include "cli/commands/commands.h"
 #include "config/text.h"
 #include "mesh/formats/mesh_io.h"
@@ -23,6 +24,7 @@ ExitCode run_deformation(Arguments& args, Terminal& terminal) {
   const FormatRegistry formats = builtin_mesh_formats();
   const AnimatedMesh animation =
       read_animation(formats, args.animation, args.read, terminal.run.part(0.0, 0.2, "reading"));
+  warn_of_jumps(animation, terminal.run);
   std::optional<Mesh> rest;
   if (!args.rest.empty()) rest = read_mesh(formats, args.rest, args.read, terminal.run);
   args.deformation.directions = args.directions;

@@ -10,7 +10,9 @@
 #include "analysis/descriptors.h"
 #include "analysis/feature_io.h"
 #include "analysis/feature_view.h"
+#include "analysis/jumps.h"
 #include "cli/commands/commands.h"
+#include "config/error.h"
 #include "config/output_file.h"
 #include "config/text.h"
 #include "mesh/formats/mesh_io.h"
@@ -111,10 +113,18 @@ std::string write_video(const AnimatedMesh& animation, const DeformationResult& 
   return video.string();
 }
 
+void check_output(const fs::path& output) {
+  if (lower(output.extension().string()) == ".json") return;
+  throw UsageError({.what = "features are written as JSON, not as '" + output.string() + "'",
+                    .remedy = "Give an output that ends in .json; --csv writes a table beside it"});
+}
+
 ExitCode run_features(Arguments& args, Terminal& terminal) {
+  check_output(args.output);
   apply_preset(args);
   const AnimatedMesh animation = read_animation(builtin_mesh_formats(), args.animation, args.read,
                                                 terminal.run.part(0.0, 0.1, "reading"));
+  warn_of_jumps(animation, terminal.run);
   const DeformationResult deformation =
       deformation_of(animation, args.deformation, terminal.run.part(0.1, 0.3, "deformation"));
   DetectResult result =
@@ -160,6 +170,9 @@ ExitCode run_features(Arguments& args, Terminal& terminal) {
                      count_of(result.extrema, "extremum", "extrema") + ", " +
                      count_of(result.set.features.size() - deforming, "displacement feature");
   if (!result.empty_reason.empty()) text += "\nno deformation features: " + result.empty_reason;
+  if (deformation.degenerate_faces > 0) {
+    text += "\n" + count_of(deformation.degenerate_faces, "triangle") + " without area left out";
+  }
   terminal.print(terminal.json ? json.dump(2)
                                : text + "\nwritten     " + join(written, "\n            "));
   return ExitCode::done;

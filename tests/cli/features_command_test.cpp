@@ -110,10 +110,17 @@ TEST_F(FeaturesCommand, BrokenMeshesAreMeasuredAndJumpsSurvived) {
   }
   for (VertexIndex v = 0; v < count; ++v) broken.position(4, v) *= 50.0F;
   ASSERT_EQ(find(write("broken.ply", broken)), 0) << errors_;
+  EXPECT_NE(errors_.find("jumps to frames 4 and 5"), std::string::npos) << errors_;
+  EXPECT_NE(output_.find("1 triangle without area"), std::string::npos) << output_;
   for (const Feature& f : read_features(place("f.json")).features) {
     EXPECT_TRUE(std::isfinite(f.response));
     EXPECT_NE(f.vertex, count + 1);
   }
+}
+
+TEST_F(FeaturesCommand, AnOutputThatIsNoJsonIsRefused) {
+  EXPECT_EQ(run("features " + place("none.ply") + " -o " + place("f.xyz")), 2);
+  EXPECT_NE(errors_.find(".json"), std::string::npos) << errors_;
 }
 
 TEST_F(FeaturesCommand, PositionsThatAreNoNumbersAreRefusedByPlace) {
