@@ -9,37 +9,14 @@
 #include "mesh/geodesics/geodesics.h"
 #include "mesh/geodesics/intrinsic_lengths.h"
 #include "tests/support/data.h"
-#include "tests/support/random.h"
 #include "tests/support/sanitizers.h"
 #include "tests/support/test_shapes.h"
 
 namespace kinemesh::geodesics_sliver_test {
 namespace {
 
-using test::Random;
+using test::rectangle;
 using test::Surface;
-
-/// A rectangle with vertices at every x and y, each cell cut along either diagonal.
-Surface rectangle(const std::vector<double>& x, const std::vector<double>& y, uint64_t seed) {
-  Random random(seed);
-  Surface s;
-  const auto columns = static_cast<VertexIndex>(x.size());
-  for (const double row : y) {
-    for (const double column : x) s.positions.emplace_back(column, row, 0.0);
-  }
-  std::vector<Triangle> faces;
-  for (VertexIndex a = 0; a + columns < s.positions.size(); ++a) {
-    if (a % columns + 1 == columns) continue;
-    const VertexIndex b = a + 1, c = a + columns + 1, d = a + columns;
-    if (random.below(2) == 0) {
-      faces.insert(faces.end(), {{a, b, c}, {a, c, d}});
-    } else {
-      faces.insert(faces.end(), {{a, b, d}, {b, c, d}});
-    }
-  }
-  s.topology = Topology::create(s.positions.size(), faces);
-  return s;
-}
 
 /// 0, step, 2 step, … as a file with floats holds them.
 std::vector<double> steps(int count, double step) {

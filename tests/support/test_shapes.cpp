@@ -64,6 +64,26 @@ Surface plane_grid(int n, double jitter, uint64_t seed) {
   return s;
 }
 
+Surface rectangle(const std::vector<double>& x, const std::vector<double>& y, uint64_t seed) {
+  Random random(seed);
+  Points positions;
+  const auto columns = static_cast<VertexIndex>(x.size());
+  for (const double row : y) {
+    for (const double column : x) positions.emplace_back(column, row, 0.0);
+  }
+  Faces faces;
+  for (VertexIndex a = 0; a + columns < positions.size(); ++a) {
+    if (a % columns + 1 == columns) continue;
+    const VertexIndex b = a + 1, c = a + columns + 1, d = a + columns;
+    if (random.below(2) == 0) {
+      faces.insert(faces.end(), {{a, b, c}, {a, c, d}});
+    } else {
+      faces.insert(faces.end(), {{a, b, d}, {b, c, d}});
+    }
+  }
+  return make("rectangle", std::move(positions), std::move(faces));
+}
+
 Surface plane_with_hole(int n, int from, int to) {
   Welder welder;
   for (int row = 0; row <= n; ++row) {

@@ -25,6 +25,9 @@ struct Surface {
 Surface plane_grid(int n, double jitter, uint64_t seed);
 /// The plane grid without the quads whose column and row both lie in [from, to).
 Surface plane_with_hole(int n, int from, int to);
+/// A flat rectangle with vertices at every x and y (row by row), each cell cut along either
+/// diagonal.
+Surface rectangle(const std::vector<double>& x, const std::vector<double>& y, uint64_t seed);
 /// The cube [0, size]³, each side n × n quads, closed.
 Surface cube(int n, double size);
 /// A sphere from an icosahedron subdivided `levels` times.
