@@ -3,6 +3,8 @@
 
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <set>
 #include <vector>
 
 #include "mesh/geodesics/geodesics.h"
@@ -50,9 +52,25 @@ struct GeodesicSolver::Data {
   void solve_heat(GeodesicField& field, const GeodesicOptions& options, const RunContext& ctx);
   void name_nearest_sources(GeodesicField& field) const;
   GeodesicPath trace(const GeodesicField& field, GeodesicArrival arrival, double distance,
-                     const SurfacePoint& end, bool arrival_of_vertex) const;
+                     const SurfacePoint& end, VertexIndex at) const;
+  VertexIndex straight_stretch(const GeodesicField& field, const GeodesicArrival& arrival,
+                               VertexIndex at, std::vector<SurfacePoint>& points) const;
   VertexIndex pass_vertex(const GeodesicField& field, const geodesics::TraceEnd& traced,
                           std::vector<SurfacePoint>& points) const;
+  double detour_of(const GeodesicField& field, const std::vector<SurfacePoint>& points,
+                   std::size_t begin, VertexIndex next, double distance) const;
+  struct Neighbour {
+    VertexIndex vertex;  // original
+    double way;          // over it to the nearest source
+  };
+  Neighbour nearest_beside(const GeodesicField& field, VertexIndex at, const SurfacePoint& point,
+                           const std::set<VertexIndex>& passed) const;
+  std::optional<VertexIndex> way_beside(const GeodesicField& field, VertexIndex at,
+                                        std::size_t begin, double way,
+                                        const std::set<VertexIndex>& passed,
+                                        std::vector<SurfacePoint>& points) const;
+  uint32_t finish_along_edges(const GeodesicField& field, VertexIndex at,
+                              std::vector<SurfacePoint>& points) const;
   void measure(GeodesicPath& path) const;
   void check_field(const GeodesicField& field, std::size_t index, std::size_t count) const;
   template <class Scalar>

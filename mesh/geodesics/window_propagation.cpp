@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "config/error.h"
+
 namespace kinemesh::geodesics {
 namespace {
 
@@ -71,7 +73,20 @@ void WindowPropagation::empty_queue(const RunContext* ctx) {
   while (queue_.take_bucket(bucket_)) {
     if (ctx != nullptr) ctx->check_cancelled();
     propagate_bucket();
+    refuse_excess();
   }
+}
+
+/// No mesh with usable triangles comes near these figures (at 200,000 vertices some hundred windows
+/// a face, and a hundredth of a window a face waiting).
+void WindowPropagation::refuse_excess() const {
+  const std::size_t faces = mesh_.face_count();
+  if (queue_.waiting() < 1'000'000 + 32 * faces && windows_ < 10'000'000 + 10'000 * faces) return;
+  throw NoResultError(
+      {.what = "the triangles of the mesh are too thin for exact distances: rounding splits the "
+               "paths without end",
+       .remedy = "Merge vertices that all but coincide, or measure along edges (--method "
+                 "dijkstra)"});
 }
 
 void WindowPropagation::reach(VertexIndex v, double distance, double direction,

@@ -63,6 +63,7 @@ class WindowQueue {
   /// Swaps the nearest bucket that is not empty into `bucket`. False when nothing waits. The same
   /// bucket comes again when windows were pushed into it meanwhile.
   bool take_bucket(std::vector<Window>& bucket);
+  std::size_t waiting() const { return waiting_; }
   std::size_t peak() const { return peak_; }
 
  private:
@@ -126,6 +127,7 @@ class WindowPropagation {
   void reach_target(uint32_t target, double distance, const GeodesicArrival& arrival);
 
   void empty_queue(const RunContext* ctx);
+  void refuse_excess() const;
   bool reach_missed_vertices();
   bool reach_missed(VertexIndex from, VertexIndex to, double length);
   bool reach_missed_around(VertexIndex v);

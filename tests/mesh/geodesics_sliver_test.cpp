@@ -81,6 +81,15 @@ TEST(GeodesicsSliver, PathsOfFlatGridsAreAsLongAsTheirDistance) {
   }
 }
 
+TEST(GeodesicsSliver, PathsThroughTrianglesWithoutAreaAreNoDetours) {
+  const Surface s = rectangle(steps(12, 1.0), steps(12, 1e-10), 5);
+  const GeodesicSolver solver(s.topology, s.positions);
+  const GeodesicField field = solver.solve(17);
+  for (VertexIndex v = 0; v < s.positions.size(); v += 5) {
+    EXPECT_NEAR(solver.path_to(field, v).length, field.distances[v], 1e-8) << v;
+  }
+}
+
 TEST(GeodesicsSliver, ARadiusFindsTheSameVertices) {
   const Surface s = rectangle(steps(25, 1.0), steps(25, 3.447124558091775e-4), 3);
   const GeodesicSolver solver(s.topology, s.positions);
