@@ -10,7 +10,7 @@ namespace {
 
 std::string cell(double value, int decimals, std::size_t width) {
   const std::string text = std::isfinite(value) ? format_fixed(value, decimals) : "-";
-  return std::string(width - std::min(width, text.size()), ' ') + text;
+  return std::string(width - std::min(width - 1, text.size()), ' ') + text;
 }
 
 }  // namespace

@@ -291,6 +291,26 @@ void warn_of_apart(const std::vector<std::size_t>& frames, StabiliseResult& resu
   }
 }
 
+/// Markers of two subjects that are seen at the same time and do not move as one are two heads.
+void refuse_two_heads(const StabiliseResult& result) {
+  const MarkerSequence& take = result.take;
+  const std::vector<std::size_t>& rigid = result.shape.markers;
+  const std::string& one = take.markers()[rigid.front()].subject;
+  for (const std::size_t m : rigid) {
+    const std::string& other = take.markers()[m].subject;
+    if (other == one) continue;
+    for (std::size_t f = 0; f < take.frame_count(); ++f) {
+      if (!measured(take, f, m) || !measured(take, f, rigid.front())) continue;
+      std::string what = "The rigid markers are those of two heads, of ";
+      what.append(one).append(" and ").append(other).append(", which do not move as one");
+      throw NoResultError({.what = what,
+                           .file = take.origin.path,
+                           .remedy = "Name the markers of one of them with --rigid SUBJECT:LABEL, "
+                                     "or part the subjects first"});
+    }
+  }
+}
+
 /// What moves with the face, or slides on the head, spoils the pose.
 void warn_of_soft(StabiliseResult& result, const RunContext& ctx) {
   constexpr double most_mm = 3.0;  // in nine of ten frames: jumps are no matter here
@@ -309,6 +329,7 @@ void warn_of_soft(StabiliseResult& result, const RunContext& ctx) {
     soft.push_back(result.take.markers()[m].label + " (" + format_fixed(*tenth, 1) + " mm)");
   }
   if (soft.empty()) return;
+  refuse_two_heads(result);
   constexpr std::size_t most_names = 8;
   if (soft.size() > most_names) {
     soft.resize(most_names);

@@ -1,6 +1,7 @@
 // Which markers head stabilisation takes for rigid: those named, a head rig's, or those that move
 // as one body.
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "capture/measured.h"
@@ -33,6 +34,10 @@ void refuse_soft_body(const MarkerSequence& take, const RigidMarkersResult& foun
     }
   }
   if (found.residual_mm <= std::max(least_mm, share * size)) return;
+  if (!std::isfinite(found.residual_mm)) {
+    no_rigid_markers(
+        take, "No markers span a rigid body: they lie within a few millimetres or on one line");
+  }
   no_rigid_markers(take, "No markers move as one rigid body: those that come closest to it are " +
                              format_fixed(found.residual_mm, 1) +
                              " mm off their places (RMS), over a body of " + format_fixed(size, 0) +

@@ -289,8 +289,9 @@ Estimate estimate_gap(const TrainingSet& set, double rate_hz, double noise,
     const Eigen::Vector3d p = (estimate.mean.row(row) + set.mean_output + guess).transpose();
     out.positions.push_back(set.poses[i].apply(p));
     // The uncertainty of the true position: without the noise of a measurement there.
-    const double total = estimate.variance[row];
-    constexpr double least_share = 0.05;
+    const double total = options.widening * options.widening * estimate.variance[row];
+    // Both are estimates; how much of their sum the noise is, is known to a seventh at best.
+    constexpr double least_share = 0.15;
     // Where the surroundings go farther than in any row, how well they tell is not known.
     constexpr double doubt = 0.1;
     const double beyond = doubt * std::max(0.0, guess.norm() - known);

@@ -24,6 +24,7 @@ struct ProcessOptions {
   std::vector<double> times_s = {5.0 / 60.0, 10.0 / 60.0};  ///< of the Matérn term
   std::size_t noise_rows = 120;            ///< at most so many rows tell noise from motion
   double noise_step = 3.1622776601683795;  ///< factor from one noise tried to the next
+  double widening = 1.0;                   ///< of the band: few rows know their own errors badly
   double softening = 10.0;  ///< settings are averaged by (marginal likelihood)^(softening / values)
 };
 

@@ -116,6 +116,26 @@ TEST(GapFill, LeavesNothingOpenWhenNoOtherMarkerIsComplete) {
   expect_whole(take, fill_gaps(take).take);
 }
 
+TEST(GapFill, TheBandHoldsTheTruthWithoutTheNoiseOfTheRecording) {
+  for (const FillEffort effort : {FillEffort::full, FillEffort::fast}) {
+    MarkerSequence take = face(300, 20);
+    std::mt19937 random(11);
+    std::normal_distribution<float> noise(0.0F, 0.15F);
+    for (float& value : take.positions()) value += noise(random);
+    for (std::size_t m = 0; m < 20; m += 2) remove(take, m, {50 + 10 * m, 70 + 10 * m});
+    const MarkerSequence out = fill_gaps(take, {.effort = effort}).take;
+    double inside = 0.0;
+    for (std::size_t m = 0; m < 20; m += 2) {
+      for (std::size_t f = 50 + 10 * m; f < 70 + 10 * m; ++f) {
+        const double error = (out.position(f, m).cast<double>() - truth(m, f)).norm();
+        inside += error <= fill_band_90 * out.uncertainty()[out.sample(f, m)] ? 1.0 : 0.0;
+      }
+    }
+    EXPECT_GT(inside / 200.0, 0.80);
+    EXPECT_LT(inside / 200.0, 0.999);
+  }
+}
+
 TEST(GapFill, TheBandOfAMarkerHardlySeenCoversWhatItsNeighboursDo) {
   for (const std::size_t seen : {3U, 7U, 25U}) {  // by hand, and learnt from samples of one moment
     MarkerSequence take = face(300, 20);

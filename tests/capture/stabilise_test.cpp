@@ -182,6 +182,26 @@ TEST(Stabilise, ASecondSubjectWhoFollowsIsABodyOfItsOwn) {
   }
 }
 
+TEST(Stabilise, TwoHeadsAtOnceAreNoBody) {
+  MarkerSequence take = record(200, 0.0);
+  for (std::size_t m = 0; m < take.marker_count(); ++m) {
+    take.markers()[m].subject = m % 2 == 0 ? "anna" : "ben";
+  }
+  EXPECT_EQ(stabilise_head(take, by_name).interpolated_frames, 0U);  // one head, tracked as two
+  for (std::size_t f = 0; f < 200; ++f) {
+    for (std::size_t m = 1; m < take.marker_count(); m += 2) {
+      take.position(f, m).x() += 20.0F * std::sin(0.1F * static_cast<float>(f));
+    }
+  }
+  try {
+    stabilise_head(take, by_name);
+    FAIL();
+  } catch (const NoResultError& e) {
+    EXPECT_NE(std::string(e.what()).find("anna and ben"), std::string::npos) << e.what();
+  }
+  EXPECT_LT(stabilise_head(take, {.rigid = {"anna:rig*"}}).rms_error_mm, 1e-3);
+}
+
 TEST(Stabilise, NamedMarkersThatAreNotFixedAreSaid) {
   const auto result = stabilise_head(record(300, 0.0), {.rigid = {"rig*", "skin2*", "skin0"}});
   ASSERT_FALSE(result.warnings.empty());
