@@ -1,58 +1,68 @@
 // Drives model faces by their markers in all 57 expressions with every method and compares with the
 // truth; then the speed of the product. One JSON object a line on stdout; for
-// tools/verify.d/10_driving. `drive_figures [IDENTITIES]`.
+// tools/verify.d/10_driving. `drive_figures [IDENTITIES [FIRST]]`.
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <string>
-#include <tuple>
 #include <vector>
 
+#include "bench/drive_accuracy.h"
 #include "config/multiversion.h"
 #include "reconstruct/animate_scan.h"
+#include "reconstruct/marker_field.h"
+#include "reconstruct/retarget.h"
 #include "reconstruct/spread_product.h"
-#include "tests/support/ict_expressions.h"
+#include "reconstruct/triangulate.h"
 
 namespace kinemesh {
 namespace {
 
-struct Way {
-  const char* name;
-  DriveOptions options;
-};
-
-std::vector<Way> ways() {
-  std::vector<Way> all;
-  for (const auto& [name, method, smooth] :
-       {std::tuple{"surface", DriveMethod::surface, true},
-        std::tuple{"surface, exact at the markers", DriveMethod::surface, false},
-        std::tuple{"geodesic", DriveMethod::geodesic, false},
-        std::tuple{"biharmonic", DriveMethod::biharmonic, false},
-        std::tuple{"euclidean", DriveMethod::euclidean, false}}) {
-    DriveOptions options;
-    options.method = method;
-    options.smooth = smooth;
-    all.push_back({name, options});
-  }
-  return all;
+DriveWay linear(const std::string& name, DriveMethod method, bool smooth, uint64_t identities) {
+  return {name,
+          [=](const test::IctExpressions& ict) {
+            DriveOptions options;
+            options.method = method;
+            options.smooth = smooth;
+            return drive_scan(ict.scan, ict.markers, ict.measured, options).animation;
+          },
+          identities};
 }
 
-void accuracy(uint64_t identity) {
-  const auto ict = test::ict_expressions(identity);
-  const auto left_out = test::draw_markers(20, ict.markers.size(), identity + 100);
-  for (const Way& way : ways()) {
-    const DriveResult driven = drive_scan(ict.scan, ict.markers, ict.measured, way.options);
-    const auto all = test::drive_error(ict, driven.animation);
-    const auto near = test::drive_error(ict, driven.animation, ict.near_markers);
-    const auto out = test::left_out_error(ict, left_out, way.options);
-    std::printf(
-        "{\"identity\": %d, \"method\": \"%s\", \"markers\": %zu, \"mean\": %.4f, "
-        "\"p95\": %.4f, \"near_mean\": %.4f, \"near_p95\": %.4f, \"left_out_mean\": %.4f, "
-        "\"left_out_p95\": %.4f, \"noise_mm\": %.3f, \"operator_s\": %.2f}\n",
-        static_cast<int>(identity), way.name, ict.markers.size(), all.mean, all.p95, near.mean,
-        near.p95, out.mean, out.p95, driven.noise_mm, driven.operator_seconds);
-    std::fflush(stdout);
+/// Deformation transfer from the mesh of the markers.
+AnimatedMesh transferred(const test::IctExpressions& ict) {
+  const auto topology = triangulate(ict.measured).topology;
+  Mesh rest{topology, {}, {}};
+  SurfaceMap map;
+  for (const AttachedMarker& m : ict.markers) {
+    rest.positions.push_back(
+        position_of(m.point, *ict.scan.topology, ict.scan.positions).cast<float>());
+    map.points.push_back(m.point);
+  }
+  AnimatedMesh moving(topology, ict.measured.frame_count(), 0.0);
+  for (std::size_t f = 0; f < moving.frame_count(); ++f) {
+    for (VertexIndex m = 0; m < moving.vertex_count(); ++m) {
+      moving.position(f, m) = ict.measured.position(f, m);
+    }
+  }
+  return retarget(moving, rest, ict.scan, map).animation;
+}
+
+std::vector<DriveWay> ways() {
+  return {linear("surface", DriveMethod::surface, true, 1000),
+          linear("biharmonic", DriveMethod::biharmonic, false, 1000),
+          linear("euclidean", DriveMethod::euclidean, false, 1000),
+          linear("surface, exact at the markers", DriveMethod::surface, false, 3),
+          {"deformation transfer", transferred, 3},
+          linear("geodesic", DriveMethod::geodesic, false, 1)};
+}
+
+void accuracy(const IdentityRange& range) {
+  for (uint64_t i = 0; i < range.count; ++i) {
+    for (const DriveWay& way : ways()) {
+      if (i < way.identities) print_accuracy(range.first + i, way);
+    }
   }
 }
 
@@ -96,15 +106,31 @@ KINEMESH_MULTIVERSION float chains(std::size_t steps, float factor, float term) 
   return total;
 }
 
-double seconds_of(auto&& work) {
+double seconds_of(auto&& work, int rounds = 80) {
   double best = 1e9;
-  for (int round = 0; round < 80; ++round) {
+  for (int round = 0; round < rounds; ++round) {
     const auto start = std::chrono::steady_clock::now();
     work();
     best = std::min(
         best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   }
   return best;
+}
+
+/// Milliseconds a frame that taking the noise off the markers adds.
+double settling_ms(const RunContext& ctx) {
+  constexpr Eigen::Index markers = 160, frames = 64;
+  Eigen::MatrixXd covariance(markers, markers);
+  for (Eigen::Index i = 0; i < markers; ++i) {
+    for (Eigen::Index j = 0; j < markers; ++j) {
+      covariance(i, j) = std::exp(-0.2 * std::abs(static_cast<double>(i - j)));
+    }
+  }
+  const Eigen::MatrixXd moves = Eigen::MatrixXd::Random(markers, 3 * frames);
+  const Eigen::MatrixXf absence = Eigen::MatrixXf::Zero(markers, frames);
+  const MarkerFieldOptions options{.noise_mm = 0.2};
+  return 1e3 / static_cast<double>(frames) *
+         seconds_of([&] { settle_markers(moves, absence, covariance, options, ctx); }, 5);
 }
 
 void speed() {
@@ -125,9 +151,9 @@ void speed() {
     const double flops = 6.0 * vertices * markers * frames;
     std::printf(
         "{\"threads\": %d, \"ms_per_frame\": %.4f, \"gflops\": %.1f, \"peak_gflops\": "
-        "%.1f, \"share_of_peak\": %.3f, \"check\": %.3g}\n",
+        "%.1f, \"share_of_peak\": %.3f, \"settling_ms\": %.4f, \"check\": %.3g}\n",
         threads, 1e3 * s / frames, flops / s * 1e-9, peak * threads,
-        flops / s * 1e-9 / (peak * threads), static_cast<double>(kept));
+        flops / s * 1e-9 / (peak * threads), settling_ms(ctx), static_cast<double>(kept));
   }
 }
 
@@ -135,8 +161,8 @@ void speed() {
 }  // namespace kinemesh
 
 int main(int argc, char** argv) {
-  const long identities = argc > 1 ? std::strtol(argv[1], nullptr, 10) : 10;
+  const kinemesh::IdentityRange range = kinemesh::identity_range(argc, argv, 10);
   kinemesh::speed();
-  for (long i = 0; i < identities; ++i) kinemesh::registration(static_cast<uint64_t>(i));
-  for (long i = 0; i < identities; ++i) kinemesh::accuracy(static_cast<uint64_t>(i));
+  for (uint64_t i = 0; i < range.count; ++i) kinemesh::registration(range.first + i);
+  kinemesh::accuracy(range);
 }

@@ -24,6 +24,9 @@ std::string summary_of(const AnimateJob& job, const AnimateResult& r,
   json["scan"] = job.scan;
   json["session"] = job.session;
   json["places"] = job.places.empty() ? "found" : job.places;
+  json["faces"] = r.scan.topology->face_count();
+  json["faces_solved"] = r.drive.solved_faces;
+  json["boundaries"] = r.openings;
   json["vertices"] = r.drive.animation.vertex_count();
   json["frames"] = r.drive.animation.frame_count();
   json["rate_hz"] = r.drive.animation.rate_hz;
@@ -106,13 +109,18 @@ AnimateFilesResult animate_files(const FormatRegistry& formats, const AnimateJob
   output_format(formats, job.output, options.writing, session.frame_count());
   PlacesSource places;
   if (!job.places.empty()) {
+    // The file speaks of the scan's faces as they are in its file, before any were turned round.
     places = [&](const Mesh& in_mm, double scale) {
-      return read_marker_places(job.places, in_mm, scale, options.animate.attach.marker_radius_mm);
+      const Mesh as_read{scan.topology, in_mm.positions, {}};
+      return with_corners_of(
+          read_marker_places(job.places, as_read, scale, options.animate.attach.marker_radius_mm),
+          *scan.topology, *in_mm.topology);
     };
   }
+  AnimateOptions animating = options.animate;
+  animating.frames = options.writing.frames;
   AnimateFilesResult done;
-  done.result =
-      animate_scan(scan, session, places, options.animate, ctx.part(0.1, 0.8, "animating"));
+  done.result = animate_scan(scan, session, places, animating, ctx.part(0.1, 0.8, "animating"));
   AnimateResult& result = done.result;
   result.drive.animation.provenance =
       provenance_of(job.program, job.command, job.options_toml, inputs);
@@ -129,7 +137,8 @@ AnimateFilesResult animate_files(const FormatRegistry& formats, const AnimateJob
   // The places that were read stay as they are.
   std::error_code none;
   if (job.places.empty() || !fs::equivalent(job.places, beside(stem, "_points.csv"), none)) {
-    add("_points.csv", marker_places_csv(result.registration.markers));
+    add("_points.csv", marker_places_csv(with_corners_of(result.registration.markers,
+                                                         *result.scan.topology, *scan.topology)));
   }
   if (options.pictures) {
     const Canvas attachment = attachment_picture(job, result, ctx);

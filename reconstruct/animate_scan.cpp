@@ -174,13 +174,31 @@ void refuse_too_large(std::size_t frames, std::size_t vertices, std::size_t mark
                  "resample), decimate the scan, or allow more with --memory"});
 }
 
+/// The frames asked for and those between them.
+FrameChoice driven_frames(const std::string& text, const MarkerSequence& take) {
+  FrameChoice range = chosen_frames(text, take.first_frame, take.frame_count());
+  if (range.count > 0) range.count = (range.count - 1) * range.step + 1;
+  range.step = 1;
+  return range;
+}
+
+void say_what_was_solved(const AnimateResult& result, const RunContext& ctx) {
+  const std::size_t faces = result.scan.topology->face_count();
+  if (result.drive.solved_faces == faces) return;
+  ctx.info("The scan's " + count_of(faces, "face") + " were decimated to " +
+           std::to_string(result.drive.solved_faces) +
+           " for the solve (shortest edges first, boundaries kept); the motion is carried to all "
+           "its vertices");
+}
+
 /// From the scan's coordinates to the session's, with the head where it was.
 void put_head_motion_back(AnimatedMesh& mesh, const RigidFit& pose,
-                          const std::vector<HeadPose>& poses) {
+                          const std::vector<HeadPose>& poses, std::size_t first) {
   for (std::size_t f = 0; f < mesh.frame_count(); ++f) {
+    const std::size_t frame = first + f;
     for (VertexIndex v = 0; v < mesh.vertex_count(); ++v) {
       Vector3d p = pose.undo(mesh.position(f, v).cast<double>());
-      if (f < poses.size()) p = poses[f].rotation * p + poses[f].translation;
+      if (frame < poses.size()) p = poses[frame].rotation * p + poses[frame].translation;
       mesh.position(f, v) = p.cast<float>();
     }
   }
@@ -230,10 +248,15 @@ AnimateResult animate_scan(const Mesh& scan, const MarkerSequence& session,
   const Steady steady =
       steady_take(session, options, result, ctx.part(0.0, 0.3, "preparing the markers"));
   for (const Marker& m : steady.take.markers()) result.labels.push_back(m.label);
-  refuse_too_large(steady.take.frame_count(), result.scan.positions.size(), result.labels.size(),
+  DriveOptions drive = options.drive;
+  drive.frames = driven_frames(options.frames, steady.take);
+  refuse_too_large(drive.frames.count, result.scan.positions.size(), result.labels.size(),
                    options.memory_gb);
   std::size_t frame = choose_reference_frame(steady.take, options.neutral).frame;
   scale_scan(result, steady.take, frame);
+  const ScanOpenings openings = scan_openings(result.scan);
+  result.openings = openings.count;
+  if (!openings.note.empty()) result.notes.push_back(openings.note);
   const RunContext registering = ctx.part(0.3, 0.6, "registering");
   if (places) {
     register_given(steady.take, places(result.scan, result.scale), options, frame, result);
@@ -246,10 +269,12 @@ AnimateResult animate_scan(const Mesh& scan, const MarkerSequence& session,
     result.neutral.push_back(result.registration.pose.apply(p));
   }
   result.drive = drive_scan(result.scan, result.registration.markers,
-                            in_scan_coordinates(steady.take, result.registration), options.drive,
+                            in_scan_coordinates(steady.take, result.registration), drive,
                             ctx.part(0.6, 1.0, "driving"));
+  say_what_was_solved(result, ctx);
   if (options.head_motion) {
-    put_head_motion_back(result.drive.animation, result.registration.pose, steady.poses);
+    put_head_motion_back(result.drive.animation, result.registration.pose, steady.poses,
+                         drive.frames.first);
   }
   for (const std::string& note : result.notes) ctx.warn(note);
   return result;

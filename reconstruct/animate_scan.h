@@ -31,6 +31,9 @@ struct AnimateOptions {
   bool head_motion = false;
   /// The frames of the result are held at once; what would take more is refused before it is made.
   double memory_gb = 4.0;
+  /// Frames to drive, by number, as WriteOptions has them; what lies between is driven too. The
+  /// markers are judged by all frames. Not a parameter.
+  std::string frames{};
 
   void declare(ParameterSet& p);
   void validate() const;
@@ -41,6 +44,7 @@ struct AnimateResult {
   Registration registration;             ///< indices refer to `labels`
   std::vector<std::string> labels;       ///< the chosen markers
   Mesh scan;                             ///< as driven: mm, outwards
+  std::size_t openings = 0;              ///< of the scan: rim, eyes, mouth and holes
   double scale = 1.0;                    ///< that brought the scan to mm
   int64_t neutral_frame = 1;             ///< number in the file
   std::vector<Eigen::Vector3d> neutral;  ///< per label, in the scan's coordinates, mm

@@ -12,6 +12,7 @@
 #include "config/parallel.h"
 #include "mesh/geodesics/geodesics.h"
 #include "mesh/laplacian.h"
+#include "reconstruct/coarse_scan.h"
 
 namespace kinemesh {
 namespace {
@@ -19,7 +20,7 @@ namespace {
 using Sparse = Eigen::SparseMatrix<double>;
 using PointSpan = std::span<const Eigen::Vector3d>;
 
-constexpr double reach_in_spacings = 1.6;
+constexpr double reach_in_spacings = 1.6, longest_coarse_edge = 0.22;  // the latter in reaches
 constexpr Eigen::Index columns_at_once = 16;
 
 /// markers × vertices: what a marker sees of its face's corners.
@@ -184,35 +185,49 @@ void make_exact(Eigen::MatrixXf& spread, const Sparse& sampling) {
   }
 }
 
-}  // namespace
+/// The mesh that is solved on, the scan itself or a coarser one, and the markers on it.
+struct SolveMesh {
+  std::shared_ptr<const Topology> coarse;  // of the coarse one
+  std::vector<Eigen::Vector3d> coarse_positions;
+  Sparse carry;  // from the coarse one to the scan
+  Sparse sample;
+  std::vector<SurfacePoint> points;
+};
 
-double nearest_spacing(std::span<const Eigen::Vector3d> points) {
-  if (points.size() < 2) return 0.0;
-  double sum = 0.0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    double nearest = std::numeric_limits<double>::infinity();
-    for (std::size_t j = 0; j < points.size(); ++j) {
-      if (j != i) nearest = std::min(nearest, (points[i] - points[j]).norm());
-    }
-    sum += nearest;
+SolveMesh coarse_mesh(const Topology& topology, PointSpan positions,
+                      std::span<const SurfacePoint> points, std::size_t most_faces,
+                      double longest_edge_mm, const RunContext& ctx) {
+  CoarseScan coarse = coarsen_scan(topology, positions, most_faces, longest_edge_mm, ctx);
+  SolveMesh mesh;
+  mesh.carry = coarse.carry();
+  mesh.sample = sampling(topology, points) * mesh.carry;
+  for (const SurfacePoint& p : points) {
+    const auto corner =
+        static_cast<std::size_t>(std::ranges::max_element(p.weights) - p.weights.begin());
+    mesh.points.push_back(coarse.places[topology.faces()[p.face].at(corner)]);
+    if (mesh.points.back().valid()) continue;
+    throw InternalError("a marker's vertex lies on no face of the coarse scan");
   }
-  return sum / static_cast<double>(points.size());
+  mesh.coarse = std::move(coarse.topology);
+  mesh.coarse_positions = std::move(coarse.positions);
+  return mesh;
 }
 
-DriveOperator make_drive_operator(const Topology& topology, PointSpan positions,
-                                  std::span<const SurfacePoint> points, DriveMethod method,
-                                  double reach_mm, const RunContext& ctx) {
-  const auto start = std::chrono::steady_clock::now();
-  std::vector<Eigen::Vector3d> markers;
-  for (const SurfacePoint& p : points) markers.push_back(position_of(p, topology, positions));
-  DriveOperator result;
-  result.reach_mm = reach_mm > 0.0 ? reach_mm : reach_in_spacings * nearest_spacing(markers);
-  if (!(result.reach_mm > 0.0)) result.reach_mm = 15.0;
-  const Sparse sample = sampling(topology, points);
+/// Values at the scan's vertices from those at the coarse ones, without copies in double.
+Eigen::MatrixXf carried(const Sparse& carry, const Eigen::MatrixXf& coarse) {
+  const Eigen::SparseMatrix<float, Eigen::RowMajor> to_scan = carry.cast<float>();
+  return to_scan * coarse;
+}
+
+/// Covariance and spread on the mesh that is solved on; `sample` sees the markers there.
+void solve(DriveOperator& result, const Topology& topology, PointSpan positions,
+           std::span<const SurfacePoint> points, const Sparse& sample,
+           const std::vector<Eigen::Vector3d>& markers, DriveMethod method, const RunContext& ctx) {
   const SurfaceOperators surface = surface_operators(topology, positions);
   const SurfaceField field(surface, 1.0 / (result.reach_mm * result.reach_mm));
-  Eigen::MatrixXd columns = field.columns(sample, 3, ctx.part(0.0, 0.8, "spreading"));
+  Eigen::MatrixXd columns = field.columns(sample, 3, ctx);
   ctx.check_cancelled();
+  result.solved_faces = topology.face_count();
   result.covariance = symmetric(sample * columns);
   const double scale = result.covariance.diagonal().mean();
   result.covariance /= scale;
@@ -232,6 +247,43 @@ DriveOperator make_drive_operator(const Topology& topology, PointSpan positions,
   }
   // The plain kernels are left as the literature has them off the vertices but at the markers.
   make_exact(result.spread, sample);
+}
+
+}  // namespace
+
+double nearest_spacing(std::span<const Eigen::Vector3d> points) {
+  if (points.size() < 2) return 0.0;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t j = 0; j < points.size(); ++j) {
+      if (j != i) nearest = std::min(nearest, (points[i] - points[j]).norm());
+    }
+    sum += nearest;
+  }
+  return sum / static_cast<double>(points.size());
+}
+
+DriveOperator make_drive_operator(const Topology& topology, PointSpan positions,
+                                  std::span<const SurfacePoint> points, DriveMethod method,
+                                  double reach_mm, std::size_t most_faces, const RunContext& ctx) {
+  const auto start = std::chrono::steady_clock::now();
+  std::vector<Eigen::Vector3d> markers;
+  for (const SurfacePoint& p : points) markers.push_back(position_of(p, topology, positions));
+  DriveOperator result;
+  result.reach_mm = reach_mm > 0.0 ? reach_mm : reach_in_spacings * nearest_spacing(markers);
+  if (!(result.reach_mm > 0.0)) result.reach_mm = 15.0;
+  if (most_faces == 0 || topology.face_count() <= most_faces) {
+    solve(result, topology, positions, points, sampling(topology, points), markers, method,
+          ctx.part(0.0, 0.8, "spreading"));
+  } else {
+    const SolveMesh mesh =
+        coarse_mesh(topology, positions, points, most_faces, longest_coarse_edge * result.reach_mm,
+                    ctx.part(0.0, 0.2, "decimating"));
+    solve(result, *mesh.coarse, mesh.coarse_positions, mesh.points, mesh.sample, markers, method,
+          ctx.part(0.2, 0.8, "spreading"));
+    result.spread = carried(mesh.carry, result.spread);
+  }
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
 }

@@ -30,6 +30,8 @@ struct DriveOperator {
   /// surface method at the markers, whatever the method; what smoothing and gaps are judged by.
   Eigen::MatrixXd covariance;
   double reach_mm = 0.0;
+  std::size_t solved_faces =
+      0;  ///< of the mesh that was solved on: fewer than the scan's if coarse
   double seconds = 0.0;
 };
 
@@ -37,10 +39,14 @@ struct DriveOperator {
 double nearest_spacing(std::span<const Eigen::Vector3d> points);
 
 /// `points` are distinct points of the scan, none of them invalid. `reach_mm` 0: 1.6 × the mean
-/// distance to the nearest marker. Throws NoResultError when the scan cannot be factorised.
+/// distance to the nearest marker. A scan of more than `most_faces` (0: any number) is solved on a
+/// coarser mesh (coarse_scan.h), no edge longer than a fifth of the reach, and the result carried
+/// to the scan's vertices: still exact at the markers. Throws NoResultError when the scan cannot be
+/// factorised.
 DriveOperator make_drive_operator(const Topology& topology,
                                   std::span<const Eigen::Vector3d> positions,
                                   std::span<const SurfacePoint> points, DriveMethod method,
-                                  double reach_mm = 0.0, const RunContext& ctx = {});
+                                  double reach_mm = 0.0, std::size_t most_faces = 0,
+                                  const RunContext& ctx = {});
 
 }  // namespace kinemesh

@@ -138,20 +138,21 @@ Eigen::Matrix<uint8_t, Eigen::Dynamic, Eigen::Dynamic> measured_of(const MarkerS
 
 std::vector<double> marker_errors(const Driving& d, const AnimatedMesh& animation,
                                   const std::vector<Eigen::Vector3d>& normals,
-                                  const std::vector<Eigen::Vector3d>& turned) {
+                                  const std::vector<Eigen::Vector3d>& turned, std::size_t first) {
   std::vector<double> errors;
   for (std::size_t m = 0; m < d.markers.size(); ++m) {
     const Triangle& face = d.scan.topology->faces()[d.points[m].face];
     double sum = 0.0, count = 0.0;
     for (std::size_t f = 0; f < animation.frame_count(); ++f) {
-      if (d.take.filled(f, m)) continue;
+      const std::size_t frame = first + f;
+      if (d.take.filled(frame, m)) continue;
       Eigen::Vector3d place = Eigen::Vector3d::Zero();
       for (std::size_t c = 0; c < 3; ++c) {
         place += d.points[m].weights[c] * animation.position(f, face[c]).cast<double>();
       }
       place += d.markers[m].stand_off_mm *
-               (turned.empty() ? normals[m] : turned[f * d.markers.size() + m]);
-      sum += (place - d.take.position(f, m).cast<double>()).squaredNorm();
+               (turned.empty() ? normals[m] : turned[frame * d.markers.size() + m]);
+      sum += (place - d.take.position(frame, m).cast<double>()).squaredNorm();
       count += 1.0;
     }
     errors.push_back(count > 0.0 ? std::sqrt(sum / count) : 0.0);
@@ -175,6 +176,11 @@ void DriveOptions::declare(ParameterSet& p) {
             .max = 1000.0,
             .help = "distance over which a marker's motion fades where no other marker is; 0: 1.6 "
                     "times the distance between markers"});
+  p.number("solve-faces", most_faces,
+           {.min = 1000,
+            .max = 1e9,
+            .help = "a scan of more triangles is solved on a mesh decimated to so many, and driven "
+                    "at full resolution"});
   p.flag("smooth", smooth, "take off measurement noise that no neighbouring marker shares");
   p.number("noise", noise_mm,
            {.unit = "mm",
@@ -197,10 +203,11 @@ DriveResult drive_scan(const Mesh& scan, const std::vector<AttachedMarker>& mark
   for (const AttachedMarker& m : markers) d.points.push_back(m.point);
   check(d);
   DriveResult result;
-  const DriveOperator op =
-      make_drive_operator(*scan.topology, d.positions, d.points, options.method, options.reach_mm,
-                          ctx.part(0.0, 0.5, "attaching"));
+  const DriveOperator op = make_drive_operator(
+      *scan.topology, d.positions, d.points, options.method, options.reach_mm,
+      static_cast<std::size_t>(options.most_faces), ctx.part(0.0, 0.5, "attaching"));
   result.reach_mm = op.reach_mm;
+  result.solved_faces = op.solved_faces;
   result.operator_seconds = op.seconds;
   const std::vector<Eigen::Vector3d> normals = rest_normals(d);
   const Eigen::MatrixXf absence = absence_of(measured_of(take), take.rate_hz, options.fade_s);
@@ -216,17 +223,21 @@ DriveResult drive_scan(const Mesh& scan, const std::vector<AttachedMarker>& mark
   result.largest_change_mm = settled.largest_change_mm;
   const auto start = std::chrono::steady_clock::now();
   const PackedSpread spread(op.spread);
-  result.animation = AnimatedMesh(scan.topology, take.frame_count(), take.rate_hz);
+  const std::size_t first = options.frames.count > 0 ? options.frames.first : 0;
+  const std::size_t count = options.frames.count > 0 ? options.frames.count : take.frame_count();
+  if (first + count > take.frame_count()) throw InternalError("frames that the take does not have");
+  result.animation = AnimatedMesh(scan.topology, count, take.rate_hz);
   std::vector<float> rest;
   for (const auto& p : scan.positions) rest.insert(rest.end(), {p.x(), p.y(), p.z()});
-  spread.apply(rest, settled.displacements, result.animation.positions(),
-               ctx.part(0.7, 1.0, "driving"));
+  const Eigen::MatrixXf moves = settled.displacements.middleCols(static_cast<Index>(3 * first),
+                                                                 static_cast<Index>(3 * count));
+  spread.apply(rest, moves, result.animation.positions(), ctx.part(0.7, 1.0, "driving"));
   result.frames_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  result.animation.first_frame = take.first_frame;
+  result.animation.first_frame = take.first_frame + static_cast<int64_t>(first);
   result.animation.events = take.events;
   result.animation.vertex_names = scan.vertex_names;
-  result.marker_error_mm = marker_errors(d, result.animation, normals, turned);
+  result.marker_error_mm = marker_errors(d, result.animation, normals, turned, first);
   return result;
 }
 

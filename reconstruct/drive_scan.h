@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "config/parameter.h"
 #include "config/run_context.h"
 #include "mesh/animated_mesh.h"
+#include "mesh/formats/frame_choice.h"
 #include "mesh/mesh.h"
 #include "reconstruct/drive_operator.h"
 
@@ -25,9 +27,14 @@ struct AttachedMarker {
 struct DriveOptions {
   DriveMethod method = DriveMethod::surface;
   double reach_mm = 0.0;  ///< 0: from the spacing of the markers
+  /// A scan of more faces is solved on a coarser mesh and driven at full resolution.
+  int64_t most_faces = 100000;
   bool smooth = true;
   double noise_mm = 0.0;  ///< 0: estimated
   double fade_s = 0.1;
+  /// Frames of the take that are driven, with step 1; count 0: all. Noise and gaps are judged by
+  /// the whole take. Not a parameter.
+  FrameChoice frames{};
 
   void declare(ParameterSet& p);
   void validate() const { validate_options(*this); }
@@ -36,10 +43,11 @@ struct DriveOptions {
 struct DriveResult {
   AnimatedMesh animation;
   double reach_mm = 0.0;
+  std::size_t solved_faces = 0;    ///< of the mesh that was solved on; the scan's, or fewer
   double noise_mm = 0.0;           ///< of each coordinate, as taken; 0 without smoothing
   double largest_change_mm = 0.0;  ///< of a measured marker, by smoothing
-  /// Per marker, root mean square distance in mm over its measured samples between the marker and
-  /// where the driven surface has it.
+  /// Per marker, root mean square distance in mm over its measured samples driven, between the
+  /// marker and where the driven surface has it.
   std::vector<double> marker_error_mm;
   double operator_seconds = 0.0, frames_seconds = 0.0;
 };

@@ -1,6 +1,7 @@
 #include "reconstruct/marker_places.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -141,6 +142,21 @@ class PlacesReader {
 std::vector<AttachedMarker> read_marker_places(const std::filesystem::path& path, const Mesh& scan,
                                                double scale, double stand_off_mm) {
   return PlacesReader(path, scan, scale).read(stand_off_mm);
+}
+
+std::vector<AttachedMarker> with_corners_of(std::vector<AttachedMarker> markers,
+                                            const Topology& from, const Topology& to) {
+  for (AttachedMarker& marker : markers) {
+    const Triangle &old = from.faces()[marker.point.face], &now = to.faces()[marker.point.face];
+    std::array<double, 3> weights{};
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto corner = static_cast<std::size_t>(std::ranges::find(now, old.at(c)) - now.begin());
+      if (corner == 3) throw InternalError("the faces have other vertices");
+      weights.at(corner) = marker.point.weights.at(c);
+    }
+    marker.point.weights = weights;
+  }
+  return markers;
 }
 
 std::string marker_places_csv(const std::vector<AttachedMarker>& markers) {

@@ -20,6 +20,11 @@ namespace kinemesh {
 std::vector<AttachedMarker> read_marker_places(const std::filesystem::path& path, const Mesh& scan,
                                                double scale = 1.0, double stand_off_mm = 0.0);
 
+/// The same places on a topology whose faces have the same vertices in another order, as when faces
+/// were turned round.
+std::vector<AttachedMarker> with_corners_of(std::vector<AttachedMarker> markers,
+                                            const Topology& from, const Topology& to);
+
 /// By surface point, every double exact.
 std::string marker_places_csv(const std::vector<AttachedMarker>& markers);
 

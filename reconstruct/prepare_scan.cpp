@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <tuple>
 
@@ -111,7 +112,6 @@ void describe(PreparedScan& scan) {
   const Topology& topology = *scan.mesh.topology;
   scan.components = topology.component_count();
   scan.isolated_vertices = topology.isolated_vertex_count();
-  scan.holes = topology.boundary_loops().size();
   if (scan.turned_faces == topology.face_count()) {
     scan.notes.push_back("The scan's normals pointed inwards: all faces were turned round");
   } else if (scan.turned_faces > 0) {
@@ -122,11 +122,6 @@ void describe(PreparedScan& scan) {
     scan.notes.push_back("The scan has " + std::to_string(scan.components) +
                          " components: a marker moves only the one it sits on, the others stay "
                          "with the head; remove what is no skin, or join the parts");
-  }
-  if (scan.holes > 1) {
-    scan.notes.push_back("The scan has " + std::to_string(scan.holes) +
-                         " boundaries: motion goes around holes and does not cross them, as lips "
-                         "and lids need it; close those that are gaps of the scanner");
   }
   if (scan.isolated_vertices > 0) {
     scan.notes.push_back(count_of(scan.isolated_vertices, "vertex", "vertices") +
@@ -178,6 +173,34 @@ PreparedScan prepare_scan(const Mesh& scan) {
     result.mesh.topology = Topology::create(positions.size(), std::move(faces));
   }
   describe(result);
+  return result;
+}
+
+ScanOpenings scan_openings(const Mesh& scan) {
+  constexpr double least_eye_mm = 40.0;
+  constexpr std::size_t eyes_and_mouth = 3;
+  std::vector<double> perimeters;
+  for (const auto& loop : scan.topology->boundary_loops()) {
+    double perimeter = 0.0;
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      perimeter += static_cast<double>(
+          (scan.positions[loop[(i + 1) % loop.size()]] - scan.positions[loop[i]]).norm());
+    }
+    perimeters.push_back(perimeter);
+  }
+  ScanOpenings result{perimeters.size(), {}};
+  std::ranges::sort(perimeters, std::greater<>());
+  const auto large = static_cast<std::size_t>(std::ranges::count_if(
+      perimeters, [](double perimeter) { return perimeter >= least_eye_mm; }));
+  const std::size_t expected =
+      std::min(perimeters.size(), std::clamp<std::size_t>(large, 1, 1 + eyes_and_mouth));
+  const std::size_t holes = perimeters.size() - expected;
+  if (holes == 0) return result;
+  result.note = "The scan has " + count_of(holes, "hole") +
+                " besides its rim, eyes and mouth, of up to " +
+                format_fixed(perimeters[expected], 0) +
+                " mm around: motion goes around holes and does not cross them; close those that "
+                "are larger than the markers' spacing in the scanner's software";
   return result;
 }
 

@@ -1,6 +1,5 @@
 // Choosing a format for an output path, and writing all of its files or none.
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -11,6 +10,7 @@
 #include "config/parallel.h"
 #include "config/text.h"
 #include "mesh/formats/beside.h"
+#include "mesh/formats/frame_choice.h"
 #include "mesh/formats/mesh_io.h"
 #include "mesh/formats/sequence.h"
 
@@ -75,50 +75,9 @@ fs::path with_extension(const Format& format, const fs::path& path, std::size_t 
                     .remedy = "End it with " + join(format.extensions, ", ", " or ")});
 }
 
-/// Indices of the frames asked for.
-struct FrameRange {
-  std::size_t first = 0, count = 0, step = 1;
-};
-
-FrameRange frame_range(const AnimatedMesh& mesh, const std::string& text) {
-  FrameRange range{0, mesh.frame_count(), 1};
-  if (text.empty()) return range;
-  const int64_t last_frame = mesh.first_frame + static_cast<int64_t>(mesh.frame_count()) - 1;
-  const auto refuse = [&]() {
-    throw UsageError({.what = "option 'frames': it was given as '" + text +
-                              "', but must be FIRST, FIRST:LAST or FIRST:LAST:STEP within " +
-                              std::to_string(mesh.first_frame) + " to " +
-                              std::to_string(last_frame)});
-  };
-  int64_t numbers[3] = {mesh.first_frame, last_frame, 1};
-  int parts = 0;
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  for (; parts < 3; ++parts) {
-    const bool empty = at == end || *at == ':';
-    if (!empty) {
-      const auto [next, error] = std::from_chars(at, end, numbers[parts]);
-      if (error != std::errc()) refuse();
-      at = next;
-    }
-    if (at == end) break;
-    if (*at++ != ':') refuse();
-  }
-  if (parts == 3) refuse();
-  if (parts == 0) numbers[1] = numbers[0];
-  if (numbers[0] < mesh.first_frame || numbers[1] > last_frame || numbers[0] > numbers[1] ||
-      numbers[2] < 1) {
-    refuse();
-  }
-  range.first = static_cast<std::size_t>(numbers[0] - mesh.first_frame);
-  range.step = static_cast<std::size_t>(numbers[2]);
-  range.count = static_cast<std::size_t>(numbers[1] - numbers[0]) / range.step + 1;
-  return range;
-}
-
 /// Numbers the frames of a lower rate so that the first keeps its time; what rounding leaves goes
 /// to the events.
-void keep_time(const AnimatedMesh& mesh, const FrameRange& range, AnimatedMesh& out) {
+void keep_time(const AnimatedMesh& mesh, const FrameChoice& range, AnimatedMesh& out) {
   const auto step = static_cast<double>(range.step);
   const double number = static_cast<double>(out.first_frame - 1) / step;
   out.first_frame = 1 + std::llround(number);
@@ -140,7 +99,7 @@ std::size_t drop_events_outside(AnimatedMesh& mesh) {
 }
 
 /// A copy of the frames asked for, lengths multiplied by `factor`.
-AnimatedMesh converted(const AnimatedMesh& mesh, const FrameRange& range, double factor) {
+AnimatedMesh converted(const AnimatedMesh& mesh, const FrameChoice& range, double factor) {
   const std::size_t vertices = mesh.vertex_count();
   AnimatedMesh out(mesh.shared_topology(), range.count,
                    mesh.rate_hz / static_cast<double>(range.step));
@@ -254,7 +213,7 @@ WriteResult add_animation(const FormatRegistry& formats, const AnimatedMesh& mes
   if (mesh.frame_count() == 0) {
     throw InputError({.what = "there is no frame to write", .file = path.string()});
   }
-  const FrameRange range = frame_range(mesh, options.frames);
+  const FrameChoice range = chosen_frames(options.frames, mesh.first_frame, mesh.frame_count());
   const Format& format = output_format(formats, path, options, range.count);
   const fs::path target = with_extension(format, path, range.count);
   if (format.fixed_unit && options.unit != LengthUnit::mm) {

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -72,6 +73,19 @@ TEST(AnimateScan, MarkersAreFoundOnTheScan) {
   EXPECT_EQ(result.registration.kept.size(), sample().points.size());
   EXPECT_LT(worst_place(result, sample().scan, sample().points), 2.0);
   EXPECT_EQ(result.drive.animation.frame_count(), sample().session.frame_count());
+  EXPECT_EQ(result.openings, 4U);
+  EXPECT_FALSE(noted(result, "scan")) << "rim, eyes and mouth ask for nothing";
+}
+
+TEST(AnimateScan, PlacesAreThoseOfTheFacesInTheScansFile) {
+  const auto from = Topology::create(4, {{0, 1, 2}, {0, 2, 3}});
+  const auto to = Topology::create(4, {{0, 2, 1}, {2, 3, 0}});
+  const auto moved = with_corners_of(
+      {{"A", {0, {0.2, 0.3, 0.5}}, 1.0}, {"B", {1, {0.1, 0.2, 0.7}}, 0.0}}, *from, *to);
+  EXPECT_EQ(moved[0].point.weights, (std::array<double, 3>{0.2, 0.5, 0.3}));
+  EXPECT_EQ(moved[1].point.weights, (std::array<double, 3>{0.2, 0.7, 0.1}));
+  EXPECT_EQ(with_corners_of(moved, *to, *from)[1].point.weights,
+            (std::array<double, 3>{0.1, 0.2, 0.7}));
 }
 
 TEST(AnimateScan, OnAFaceModelWithHeadMotionEveryMarkerIsWithinTwoMillimetres) {
@@ -159,7 +173,7 @@ TEST(AnimateScan, FlippedNormalsTwoComponentsAndHolesAreCorrectedOrSaid) {
   const AnimateResult result = animate_scan(scan, sample().session);
   EXPECT_TRUE(noted(result, "turned round"));
   EXPECT_TRUE(noted(result, "components"));
-  EXPECT_TRUE(noted(result, "boundaries"));
+  EXPECT_TRUE(noted(result, "2 holes"));
   EXPECT_TRUE(result.scan.topology->is_manifold());
   EXPECT_LT((result.drive.animation.position(10, n) - scan.positions[n]).norm(), 1e-3F);
   EXPECT_LT(worst_place(result, good, sample().points), 2.0);

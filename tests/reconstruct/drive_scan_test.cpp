@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "config/error.h"
+#include "reconstruct/coarse_scan.h"
 #include "reconstruct/marker_field.h"
 #include "reconstruct/spread_product.h"
 #include "tests/support/data.h"
@@ -132,6 +133,77 @@ TEST(DriveScan, LipsOfASlitPartAndDoNotGlue) {
   EXPECT_GT(gap(DriveMethod::surface), 8.0F);
   EXPECT_GT(gap(DriveMethod::geodesic), 8.0F);
   EXPECT_LT(gap(DriveMethod::euclidean), 1e-3F);  // what distances in space do
+}
+
+TEST(DriveScan, ADecimatedSolveIsExactAtTheMarkersAndKeepsLipsApart) {
+  const Mesh mesh = slit_sheet();
+  const auto markers = grid_markers(mesh);
+  const MarkerSequence take = take_of(mesh, markers, wild_moves(markers.size()));
+  for (const DriveMethod method : {DriveMethod::surface, DriveMethod::geodesic,
+                                   DriveMethod::biharmonic, DriveMethod::euclidean}) {
+    DriveOptions options;
+    options.method = method;
+    options.smooth = false;
+    const DriveResult whole = drive_scan(mesh, markers, take, options);
+    EXPECT_EQ(whole.solved_faces, mesh.topology->face_count());
+    options.most_faces = 1500;
+    const DriveResult coarse = drive_scan(mesh, markers, take, options);
+    EXPECT_LE(coarse.solved_faces, 1500U);
+    EXPECT_EQ(coarse.animation.vertex_count(), mesh.positions.size());
+    for (std::size_t m = 0; m < markers.size(); ++m) EXPECT_LT(coarse.marker_error_mm[m], 2e-3);
+    if (method != DriveMethod::surface) continue;
+    double largest = 0.0;
+    for (VertexIndex v = 0; v < mesh.positions.size(); ++v) {
+      const auto off = coarse.animation.position(0, v) - whole.animation.position(0, v);
+      largest = std::max(largest, static_cast<double>(off.norm()));
+    }
+    EXPECT_LT(largest, 0.6) << "of motions of up to 4 mm";
+  }
+}
+
+TEST(CoarseScan, VerticesStayOnTheirSideOfASlitAndLooseOnesHaveNoPlace) {
+  Mesh mesh = slit_sheet();
+  std::vector<Eigen::Vector3d> positions;
+  for (const auto& p : mesh.positions) positions.push_back(p.cast<double>());
+  positions.emplace_back(10.0, 10.0, 0.0);  // of no face
+  const Topology topology(positions.size(), mesh.topology->faces());
+  const CoarseScan coarse = coarsen_scan(topology, positions, 1500, 100.0);
+  EXPECT_LE(coarse.topology->face_count(), 1500U);
+  EXPECT_EQ(coarse.topology->boundary_loops().size(), 1U);
+  EXPECT_FALSE(coarse.places.back().valid());
+  for (std::size_t v = 0; v + 1 < positions.size(); ++v) {
+    const Triangle& face = coarse.topology->faces()[coarse.places[v].face];
+    double middle = 0.0;
+    for (const VertexIndex c : face) middle += coarse.positions[c].y() / 3.0;
+    // The slit's lower lip are the last vertices; both lips lie at y = 40.
+    const bool lower = v >= 41U * 41U, upper = v >= 20U * 41U && v < 20U * 41U + 18U;
+    if (lower && v < 41U * 41U + 18U) EXPECT_LT(middle, 40.0);
+    if (upper) EXPECT_GT(middle, 40.0);
+  }
+  const Eigen::VectorXd ones =
+      coarse.carry() * Eigen::VectorXd::Ones(static_cast<Eigen::Index>(coarse.positions.size()));
+  EXPECT_NEAR(ones.head(ones.size() - 1).minCoeff(), 1.0, 1e-9);
+  positions[3].x() = std::nan("");
+  EXPECT_THROW(coarsen_scan(topology, positions, 1500, 100.0), InputError);
+}
+
+TEST(DriveScan, ChosenFramesAreDrivenAsAmongAll) {
+  const Mesh mesh = slit_sheet();
+  const auto markers = grid_markers(mesh);
+  MarkerSequence take = take_of(mesh, markers, wild_moves(markers.size()), 9);
+  take.first_frame = 101;
+  for (std::size_t f = 0; f < 9; ++f) take.position(f, 7).z() += 0.1F * static_cast<float>(f);
+  const AnimatedMesh all = drive_scan(mesh, markers, take).animation;
+  DriveOptions options;
+  options.frames = {.first = 4, .count = 3};
+  const AnimatedMesh some = drive_scan(mesh, markers, take, options).animation;
+  ASSERT_EQ(some.frame_count(), 3U);
+  EXPECT_EQ(some.first_frame, 105);
+  for (std::size_t f = 0; f < 3; ++f) {
+    for (VertexIndex v = 0; v < some.vertex_count(); ++v) {
+      ASSERT_EQ(some.position(f, v), all.position(f + 4, v));
+    }
+  }
 }
 
 TEST(DriveScan, AMarkerThatComesAndGoesMakesNoJump) {

@@ -78,20 +78,25 @@ DriveError drive_error(const IctExpressions& ict, const AnimatedMesh& driven,
   return error_of(std::move(errors));
 }
 
-DriveError left_out_error(const IctExpressions& ict, const std::vector<std::size_t>& left_out,
-                          const DriveOptions& options) {
+IctExpressions without_markers(const IctExpressions& ict,
+                               const std::vector<std::size_t>& left_out) {
+  IctExpressions fewer = ict;
+  fewer.markers.clear();
   std::vector<std::size_t> kept;
-  std::vector<AttachedMarker> markers;
   for (std::size_t m = 0; m < ict.markers.size(); ++m) {
     if (std::ranges::binary_search(left_out, m)) continue;
     kept.push_back(m);
-    markers.push_back(ict.markers[m]);
+    fewer.markers.push_back(ict.markers[m]);
   }
-  const AnimatedMesh driven =
-      drive_scan(ict.scan, markers, ict.measured.select(kept), options).animation;
+  fewer.measured = ict.measured.select(kept);
+  return fewer;
+}
+
+DriveError place_error(const IctExpressions& ict, const std::vector<std::size_t>& markers,
+                       const AnimatedMesh& driven) {
   std::vector<double> errors;
   for (std::size_t f = 0; f < driven.frame_count(); ++f) {
-    for (const std::size_t m : left_out) {
+    for (const std::size_t m : markers) {
       const SurfacePoint& p = ict.markers[m].point;
       const Triangle& face = ict.scan.topology->faces()[p.face];
       Eigen::Vector3d off = Eigen::Vector3d::Zero();

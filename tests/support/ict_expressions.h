@@ -32,9 +32,11 @@ struct DriveError {
 DriveError drive_error(const IctExpressions& ict, const AnimatedMesh& driven,
                        const std::vector<bool>& chosen = {});
 
-/// Drives with all markers but those `left_out`; the error at the places of those.
-DriveError left_out_error(const IctExpressions& ict, const std::vector<std::size_t>& left_out,
-                          const DriveOptions& options);
+/// The same recording without some of the markers, to be judged by place_error().
+IctExpressions without_markers(const IctExpressions& ict, const std::vector<std::size_t>& left_out);
+/// Over the places of these markers in all frames, mm.
+DriveError place_error(const IctExpressions& ict, const std::vector<std::size_t>& markers,
+                       const AnimatedMesh& driven);
 /// So many marker indices, drawn from the seed, ascending.
 std::vector<std::size_t> draw_markers(std::size_t count, std::size_t of, uint64_t seed);
 
