@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <Eigen/SVD>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <chrono>
@@ -89,11 +90,63 @@ std::vector<FaceIndex> corresponding_faces(const Topology& source, const Topolog
   return result;
 }
 
+/// Target faces without a source that hang together, and the source faces on the border they share
+/// with others: what the source has no counterpart of, as an elephant's trunk for a horse.
+struct Patches {
+  std::vector<std::vector<FaceIndex>> borders;  // source faces, once per shared edge
+  std::vector<FaceIndex> of_face;               // per target face: its patch, or invalid_index
+};
+
+Patches patches_of(const Topology& target, const std::vector<FaceIndex>& from) {
+  Patches patches;
+  patches.of_face.assign(from.size(), invalid_index);
+  std::vector<FaceIndex> waiting;
+  for (FaceIndex start = 0; start < from.size(); ++start) {
+    if (from[start] != invalid_index || patches.of_face[start] != invalid_index) continue;
+    const auto patch = static_cast<FaceIndex>(patches.borders.size());
+    patches.borders.emplace_back();
+    patches.of_face[start] = patch;
+    waiting.push_back(start);
+    while (!waiting.empty()) {
+      const FaceIndex face = waiting.back();
+      waiting.pop_back();
+      for (HalfedgeIndex h = 3 * face; h < 3 * face + 3; ++h) {
+        if (target.twin(h) == invalid_index) continue;
+        const FaceIndex across = target.twin(h) / 3;
+        if (from[across] != invalid_index) {
+          patches.borders[patch].push_back(from[across]);
+        } else if (patches.of_face[across] == invalid_index) {
+          patches.of_face[across] = patch;
+          waiting.push_back(across);
+        }
+      }
+    }
+  }
+  return patches;
+}
+
+/// The rotation nearest to a gradient (polar decomposition).
+Matrix3d rotation_of(const Matrix3d& gradient) {
+  const Eigen::JacobiSVD<Matrix3d> svd(gradient, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Matrix3d u = svd.matrixU();
+  const Matrix3d& v = svd.matrixV();
+  if ((u * v.transpose()).determinant() < 0.0) u.col(2) = -u.col(2);
+  return u * v.transpose();
+}
+
 class Transfer {
  public:
   Transfer(const Topology& source, const Points& source_rest, const Topology& target,
            const Points& target_rest, std::vector<FaceIndex> from)
-      : source_(source), target_(target), target_rest_(target_rest), from_(std::move(from)) {
+      : source_(source),
+        target_(target),
+        target_rest_(target_rest),
+        from_(std::move(from)),
+        patches_(patches_of(target, from_)) {
+    for (FaceIndex f = 0; f < from_.size(); ++f) {
+      if (from_[f] != invalid_index) continue;
+      from_[f] = static_cast<FaceIndex>(source.face_count()) + patches_.of_face[f];
+    }
     for (FaceIndex f = 0; f < source.face_count(); ++f) {
       const Triangle& t = source.faces()[f];
       const Matrix3d frame = frame_of(source_rest[t[0]], source_rest[t[1]], source_rest[t[2]]);
@@ -115,10 +168,14 @@ class Transfer {
                          ? Matrix3d(Matrix3d::Identity())
                          : Matrix3d(frame_of(moved[t[0]], moved[t[1]], moved[t[2]]) * inverses_[f]);
     }
+    for (const std::vector<FaceIndex>& border : patches_.borders) {
+      Matrix3d sum = Matrix3d::Zero();
+      for (const FaceIndex f : border) sum += gradients[f];
+      gradients.push_back(border.empty() ? Matrix3d(Matrix3d::Identity()) : rotation_of(sum));
+    }
     // Gᵀ A S for displacements: the rest shape solves it for S = 1.
     Eigen::MatrixXd right = Eigen::MatrixXd::Zero(static_cast<Index>(target_rest_.size()), 3);
     for (FaceIndex f = 0; f < target_.face_count(); ++f) {
-      if (from_[f] == invalid_index) continue;
       const Matrix3d change = gradients[from_[f]] - Matrix3d::Identity();
       const Triangle& t = target_.faces()[f];
       for (std::size_t c = 0; c < 3; ++c) {
@@ -179,7 +236,8 @@ class Transfer {
 
   const Topology &source_, &target_;
   const Points& target_rest_;
-  std::vector<FaceIndex> from_;
+  std::vector<FaceIndex> from_;  // source faces, and behind them the patches
+  Patches patches_;
   std::vector<Matrix3d> inverses_;
   Eigen::SimplicialLDLT<Sparse> solver_;
 };

@@ -26,7 +26,8 @@ struct RetargetResult {
 };
 
 /// `map` has one target point per vertex of `source_rest`; `source` has the topology of
-/// `source_rest`. Target faces far from every mapped source face keep the head's motion alone.
+/// `source_rest`. Target faces far from every mapped source face turn as rigidly as
+/// the border of their patch does in the mean.
 /// Throws InputError when map, animation and meshes do not belong together, NoResultError when the
 /// target cannot be factorised or nothing of it is mapped.
 RetargetResult retarget(const AnimatedMesh& source, const Mesh& source_rest,

@@ -60,6 +60,25 @@ SurfaceMap identity_map(const Topology& topology) {
   return map;
 }
 
+TEST(Retarget, WhatTheSourceLacksTurnsWithTheBorderOfItsPatch) {
+  const Mesh rest = sheet(13, 24.0);
+  SurfaceMap half = identity_map(*rest.topology);
+  for (VertexIndex v = 0; v < rest.positions.size(); ++v) {
+    if (rest.positions[v].x() > 9.0F) half.points[v] = SurfacePoint{};
+  }
+  AnimatedMesh turned(rest.topology, 1, 50.0);
+  const Eigen::Matrix3f turn =
+      Eigen::AngleAxisf(0.6F, Eigen::Vector3f(0.2F, 1.0F, 0.3F).normalized()).toRotationMatrix();
+  for (VertexIndex v = 0; v < rest.positions.size(); ++v) {
+    turned.position(0, v) = turn * rest.positions[v];
+  }
+  const RetargetResult result = retarget(turned, rest, rest, half);
+  EXPECT_GT(result.faces_without_source, 60U);
+  for (VertexIndex v = 0; v < rest.positions.size(); ++v) {
+    EXPECT_LT((result.animation.position(0, v) - turned.position(0, v)).norm(), 1e-3F) << v;
+  }
+}
+
 TEST(Retarget, IsExactOnIdenticalMeshes) {
   const Mesh rest = sheet(25, 60.0);
   const AnimatedMesh source = moving(rest, 5);
