@@ -89,16 +89,22 @@ std::vector<uint32_t> MatchingProblem::chosen(std::span<const uint32_t> labellin
 double MatchingProblem::energy(std::span<const uint32_t> labelling) const {
   const std::vector<uint32_t> chosen_at = chosen(labelling);
   std::vector<char> active(assignments.size(), 0);
-  double sum = constant;
+  // With what rounding takes away (Neumaier 1974): costs of a pair given twice may cancel.
+  double sum = constant, lost = 0.0;
+  const auto add = [&](double cost) {
+    const double total = sum + cost;
+    lost += std::abs(sum) >= std::abs(cost) ? (sum - total) + cost : (cost - total) + sum;
+    sum = total;
+  };
   for (const uint32_t a : chosen_at) {
     if (a == unmatched) continue;
     active[a] = 1;
-    sum += assignments[a].cost;
+    add(assignments[a].cost);
   }
   for (const MatchingPair& e : pairs) {
-    if (active[e.a] != 0 && active[e.b] != 0) sum += e.cost;
+    if (active[e.a] != 0 && active[e.b] != 0) add(e.cost);
   }
-  return sum;
+  return sum + lost;
 }
 
 }  // namespace kinemesh

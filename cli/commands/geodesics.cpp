@@ -86,10 +86,13 @@ nlohmann::ordered_json summary(const Arguments& args, const GeodesicField& field
 }
 
 std::string in_words(const nlohmann::ordered_json& s) {
+  const auto longest = s["longest_mm"].get<double>();
+  const bool usual = longest == 0.0 || (longest >= 0.01 && longest < 1e9);
   std::string text = std::to_string(s["reached"].get<std::size_t>()) + " of " +
                      count_of(s["vertices"].get<std::size_t>(), "vertex", "vertices") +
-                     " reached, the furthest at " + format_fixed(s["longest_mm"].get<double>(), 3) +
-                     " mm; " + format_fixed(1e3 * s["seconds"].get<double>(), 1) + " ms";
+                     " reached, the furthest at " +
+                     (usual ? format_fixed(longest, 3) : format_number(longest)) + " mm; " +
+                     format_fixed(1e3 * s["seconds"].get<double>(), 1) + " ms";
   if (const auto faces = s["degenerate_faces"].get<std::size_t>(); faces > 0) {
     text += "\n" + count_of(faces, "triangle") + " without area mended by lengthening edges";
   }

@@ -190,6 +190,12 @@ TEST(SolveMatching, CostsThatForbidDoNotBlurTheOthers) {
   }
 }
 
+TEST(SolveMatching, CostsOfAPairThatCancelLeaveTheRest) {
+  MatchingProblem p{.left_count = 2, .right_count = 2, .assignments = {{0, 0, -1}, {1, 1, -1}}};
+  p.pairs = {{0, 1, 1e300}, {0, 1, -1e300}};
+  EXPECT_EQ(solve_matching(p).energy, -2.0);
+}
+
 TEST(SolveMatching, CostsOfAnyMagnitudeGiveTheSameMatching) {
   for (const MatchingMethod method : {MatchingMethod::ascent, MatchingMethod::subgradient}) {
     const MatchingProblem p = test::make_instance(InstanceKind::geometric, 5, 3);
