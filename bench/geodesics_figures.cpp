@@ -127,7 +127,7 @@ void check_file(const std::string& path, std::size_t sources) {
 
 void check_flat() {
   for (const double aspect : {1.0, 0.1, 1e-2, 1e-3, 3.447124558091775e-4, 1e-4, 1e-5, 1e-6, 1e-7,
-                              1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 0.0}) {
+                              1e-8, 1e-9, 1e-10, 1e-11}) {
     for (const uint64_t seed : {1, 2, 3}) {
       std::vector<double> x, y;
       for (int k = 0; k < 25; ++k) {

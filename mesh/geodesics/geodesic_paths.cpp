@@ -52,14 +52,16 @@ GeodesicPath GeodesicSolver::Data::trace(const GeodesicField& field, GeodesicArr
   GeodesicPath path;
   path.points.push_back(end);
   VertexIndex next = no_vertex;
-  std::set<VertexIndex> passed;  // where the way was found along edges: it does not come back
+  std::set<VertexIndex> passed;  // vertices that coincide may name each other
   for (std::size_t stretches = 0; stretches < 2 * inner.size() + 16; ++stretches) {
     const std::size_t begin = path.points.size();
     next = straight_stretch(field, arrival, at, path.points);
-    const double detour = detour_of(field, path.points, begin, next, distance);
+    passed.insert(at);
+    const bool comes_back = next < no_vertex && passed.contains(mesh.original_vertex(next));
+    const double detour =
+        comes_back ? unreachable : detour_of(field, path.points, begin, next, distance);
     if (detour > 1e-9 * distance + 1e-12 * mesh.mean_length()) {
       // Rounding misled the straight way, in triangles that have hardly an area.
-      passed.insert(at);
       next = way_beside(field, at, begin, distance + detour, passed, path.points).value_or(next);
     }
     if (next == no_vertex || next == invalid_index) break;
