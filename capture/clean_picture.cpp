@@ -91,8 +91,8 @@ bool comparable(const Pair& pair) {
   return shared > 0 && 2 * far < shared;
 }
 
-/// The kinds of default_gap_styles().
-enum : std::size_t { missing = 0, estimated = 2, repaired = 3 };
+/// The kinds of default_gap_styles(), and one more.
+enum : std::size_t { missing = 0, estimated = 2, repaired = 3, relabelled = 4 };
 
 /// Measured samples that are at another place than they were, as after labels were exchanged.
 std::vector<GapInterval> moved_intervals(const Pair& pair, std::size_t marker) {
@@ -102,7 +102,7 @@ std::vector<GapInterval> moved_intervals(const Pair& pair, std::size_t marker) {
     if (!out.empty() && out.back().end == f) {
       ++out.back().end;
     } else {
-      out.push_back({f, f + 1, repaired});
+      out.push_back({f, f + 1, relabelled});
     }
   }
   return out;
@@ -136,6 +136,7 @@ GapChart empty_chart(const MarkerSequence& take, const std::string& title) {
   chart.rate_hz = take.rate_hz;
   chart.first_frame = take.first_frame;
   chart.order = GapChart::Order::as_given;
+  chart.kinds.push_back({"moved by over 1 mm", series_colour(4), true});
   return chart;
 }
 

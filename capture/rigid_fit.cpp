@@ -22,13 +22,27 @@ RigidFit fit_rigid(std::span<const Eigen::Vector3d> from, std::span<const Eigen:
   if (total <= 0.0) return fit;
   centre_from /= total;
   centre_to /= total;
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  // Column by column: sums of whole matrices would go through memory for every point.
+  Eigen::Vector3d x = Eigen::Vector3d::Zero(), y = x, z = x;  // of the covariance
+  Eigen::Vector3d first = x, second = x;                      // of the scatter's lower half
+  double last = 0.0;
   for (std::size_t i = 0; i < from.size(); ++i) {
     const Eigen::Vector3d a = from[i] - centre_from;
-    covariance += weight(i) * (to[i] - centre_to) * a.transpose();
-    scatter += weight(i) * a * a.transpose();
+    const Eigen::Vector3d b = weight(i) * (to[i] - centre_to);
+    const Eigen::Vector3d weighted = weight(i) * a;
+    x += b * a.x();
+    y += b * a.y();
+    z += b * a.z();
+    first += weighted * a.x();
+    second += weighted * a.y();
+    last += weighted.z() * a.z();
   }
+  Eigen::Matrix3d covariance;
+  covariance << x, y, z;
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  scatter.col(0) = first;
+  scatter.col(1) = second;
+  scatter(2, 2) = last;
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance,
                                               Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Vector3d sign = Eigen::Vector3d::Ones();

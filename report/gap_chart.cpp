@@ -21,12 +21,16 @@ GapInterval within(const GapInterval& gap, std::size_t frames) {
   return {std::min(gap.begin, frames), std::min(gap.end, frames), gap.kind};
 }
 
+bool is_missing(const GapChart& chart, const GapInterval& gap) {
+  return gap.kind >= chart.kinds.size() || !chart.kinds[gap.kind].measured;
+}
+
 // Touching intervals of different kinds are one stretch without measurement.
-RowSum sum_of(const GapChart::Row& row, std::size_t frames) {
+RowSum sum_of(const GapChart::Row& row, const GapChart& chart) {
   std::vector<GapInterval> gaps;
   for (const GapInterval& gap : row.gaps) {
-    const GapInterval cut = within(gap, frames);
-    if (cut.begin < cut.end) gaps.push_back(cut);
+    const GapInterval cut = within(gap, chart.frame_count);
+    if (cut.begin < cut.end && is_missing(chart, gap)) gaps.push_back(cut);
   }
   std::sort(gaps.begin(), gaps.end(),
             [](const auto& a, const auto& b) { return a.begin < b.begin; });
@@ -58,7 +62,7 @@ struct Layout {
 class GapChartPainter {
  public:
   GapChartPainter(const GapChart& chart, double width) : chart_(chart) {
-    for (const auto& row : chart.markers) sums_.push_back(sum_of(row, chart.frame_count));
+    for (const auto& row : chart.markers) sums_.push_back(sum_of(row, chart));
     order_.resize(chart.markers.size());
     std::iota(order_.begin(), order_.end(), std::size_t{0});
     if (chart.order == GapChart::Order::worst_first) {
@@ -166,7 +170,7 @@ class GapChartPainter {
     for (const auto& row : chart_.markers) {
       for (const GapInterval& gap : row.gaps) {
         const GapInterval cut = within(gap, chart_.frame_count);
-        if (cut.begin >= cut.end) continue;
+        if (cut.begin >= cut.end || !is_missing(chart_, gap)) continue;
         ++change[cut.begin];
         --change[cut.end];
       }

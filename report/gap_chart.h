@@ -15,6 +15,7 @@ namespace kinemesh {
 struct GapStyle {
   std::string label;  ///< for the legend: "filled by spline"
   Colour colour;
+  bool measured = false;  ///< drawn, but not counted as missing
 };
 /// 0 missing, 1 filled by spline, 2 estimated from other markers, 3 repaired.
 std::vector<GapStyle> default_gap_styles();
