@@ -42,11 +42,21 @@ std::size_t available_bytes() {
   return kilobytes << 10U;
 }
 
+/// A file without a name in the folder; negative where there can be none.
+int nameless_file(const std::string& folder) {
+  const int file = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+  if (file >= 0) return file;
+  std::string path = folder + "/kinemesh_XXXXXX";  // not every file system knows such files
+  const int named = ::mkostemp(path.data(), O_CLOEXEC);
+  if (named >= 0) ::unlink(path.c_str());
+  return named;
+}
+
 /// Memory whose pages the kernel may write to a file without a name; nullptr where that fails.
 void* allocate_in_a_file(std::size_t bytes) {
   const char* const folder = std::getenv("TMPDIR");
   const std::string path = folder != nullptr && *folder != '\0' ? folder : "/var/tmp";
-  const int file = ::open(path.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+  const int file = nameless_file(path);
   if (file < 0) return nullptr;
   // The blocks are reserved: a full disk is an error here, not a signal at some later write.
   void* memory = MAP_FAILED;
