@@ -107,6 +107,7 @@ std::string in_words(const nlohmann::ordered_json& s) {
 
 ExitCode run_geodesics(const Arguments& args, Terminal& terminal) {
   check_distance_path(args.output);
+  refuse_to_replace({args.mesh}, {args.output, path_file(args.output)});
   const Mesh mesh = read_mesh(all_formats(), args.mesh, args.read, terminal.run);
   if (mesh.topology->face_count() == 0) {
     throw NoResultError({.what = "the mesh has no faces to measure on", .file = args.mesh});

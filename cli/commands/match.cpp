@@ -112,6 +112,8 @@ void refuse_picture(const std::string& picture) {
 ExitCode run_match(const Arguments& args, Terminal& terminal) {
   check_matches_path(args.output);
   refuse_picture(args.picture);
+  refuse_to_replace({args.features_a, args.features_b, args.animation_a, args.animation_b},
+                    {args.output, args.picture});
   const FeatureSet a = read_features(args.features_a), b = read_features(args.features_b);
   refuse_too_many_features(a.features.size(), b.features.size(), args.matching);
   const AnimatedMesh mesh_a =

@@ -11,10 +11,6 @@
 namespace kinemesh {
 namespace {
 
-std::filesystem::path path_file(const std::filesystem::path& path) {
-  return path.parent_path() / (path.stem().string() + "_path" + path.extension().string());
-}
-
 std::string number(double value) { return std::isfinite(value) ? format_number(value) : "inf"; }
 
 std::string distances_csv(const GeodesicField& field) {
@@ -124,6 +120,10 @@ std::string archive(const Mesh& mesh, const GeodesicField& field,
 }
 
 }  // namespace
+
+std::filesystem::path path_file(const std::filesystem::path& path) {
+  return path.parent_path() / (path.stem().string() + "_path" + path.extension().string());
+}
 
 void check_distance_path(const std::filesystem::path& path) {
   const std::string extension = lower(path.extension().string());

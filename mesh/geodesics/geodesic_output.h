@@ -11,6 +11,8 @@
 
 namespace kinemesh {
 
+/// Where the paths go that belong to the distances in `path`: NAME_path beside it.
+std::filesystem::path path_file(const std::filesystem::path& path);
 /// Throws UsageError unless the extension is .csv, .npz, .ply or .png (drawn elsewhere).
 void check_distance_path(const std::filesystem::path& path);
 

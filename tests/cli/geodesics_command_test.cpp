@@ -74,6 +74,9 @@ TEST_F(GeodesicsCommand, MistakesHaveTheirExitCodeAndLeaveNothing) {
   EXPECT_EQ(run(place("plane.ply") + " -o " + place("d.csv")), 2);
   EXPECT_EQ(run(place("missing.ply") + " --from 0 -o " + place("d.csv")), 3);
   EXPECT_EQ(run(place("missing.ply") + " --from 0 -o " + place("d.txt")), 2);  // before reading
+  const std::string mesh = read_file(place("plane.ply"));
+  EXPECT_EQ(run(place("plane.ply") + " --from 0 -o " + place("plane.ply")), 2);
+  EXPECT_EQ(read_file(place("plane.ply")), mesh);  // inputs are never replaced
   EXPECT_EQ(folder_.entry_count(), before);
 }
 

@@ -60,6 +60,7 @@ TEST_F(MatchCommand, MistakesHaveTheirExitCode) {
             2);
   EXPECT_EQ(run(place("missing.json") + " " + place("a.json") + meshes + " -o " + place("m.txt")),
             2);  // before anything is read
+  EXPECT_EQ(run(place("a.json") + " " + place("a.json") + meshes + " -o " + place("a.json")), 2);
   std::filesystem::remove(place("m.json"));
   EXPECT_EQ(run(place("a.json") + " " + place("a.json") + meshes + " -o " + place("m.json") +
                 " --picture /proc/m.png"),
