@@ -8,6 +8,7 @@
 #include <numbers>
 #include <string>
 
+#include "analysis/full_matching/smooth_deformation.h"
 #include "analysis/spherical/rest_triangle.h"
 #include "analysis/spherical/sphere_descent.h"
 #include "analysis/spherical/unfold.h"
@@ -22,6 +23,10 @@ constexpr double filling_weight = 0.1;  // of the distortion of A's fillings
 // where the other terms say little, comes free again; over the sphere's area, 4π.
 constexpr double sphere_area = 4.0 * std::numbers::pi;
 constexpr double sphere_weight = 0.02 / sphere_area;
+// A smooth deformation that leaves more of the image's variance unexplained says nothing. Faces:
+// about 0.002, limbs in another pose: 0.05 and more.
+constexpr double unexplained_limit = 0.02;
+constexpr double led_reach = 0.03;   // √area
 constexpr double least_area = 4e-3;  // of an image triangle, squared, over the rest triangle's
 
 }  // namespace
@@ -116,6 +121,32 @@ void ComposedMap::fit_rotation() {
   Eigen::Matrix3d flip = Eigen::Matrix3d::Identity();
   flip(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
   turn_ = (svd.matrixU() * flip * svd.matrixV().transpose()).cast<float>();
+}
+
+void ComposedMap::fit_deformation(double weight) {
+  led_weights_.clear();
+  if (!(weight > 0.0)) return;
+  std::vector<Eigen::Vector3d> from, to;
+  std::vector<double> areas;
+  for (const VertexIndex v : mesh_.alive()) {
+    if (!(signals_.areas[v] > 0.0)) continue;
+    from.push_back(signals_.positions[v]);
+    to.push_back(images_[v].position);
+    areas.push_back(signals_.areas[v]);
+  }
+  if (from.size() < 5 * SmoothDeformation::terms) return;
+  SmoothDeformation deformation;
+  deformation.fit(from, to, areas);
+  led_.resize(signals_.positions.size());
+  for (std::size_t v = 0; v < led_.size(); ++v) led_[v] = deformation(signals_.positions[v]);
+  const double trust = std::max(0.0, 1.0 - deformation.unexplained() / unexplained_limit);
+  if (!(trust > 0.0)) return;
+  // What lies far from where it is led (an ear) is not smooth, or told otherwise: it is let be.
+  led_weights_.assign(led_.size(), 0.0);
+  for (const VertexIndex v : mesh_.alive()) {
+    const double astray = (images_[v].position - led_[v]).squaredNorm() / (led_reach * led_reach);
+    led_weights_[v] = weight * trust / ((1.0 + astray) * (1.0 + astray));
+  }
 }
 
 ComposedMap::Image ComposedMap::image_of(const Eigen::Vector3d& p, FaceIndex hint) const {
@@ -237,7 +268,9 @@ double ComposedMap::energy_at(VertexIndex v, const Eigen::Vector3d& p, const Ima
       own_area_ > 0.0
           ? static_cast<double>((own_signal(v) - image.signal).cwiseAbs2().dot(weights_))
           : 0.0;
-  return distortion_weight_ * distortion_energy(image.position) + own_area_ * misfit +
+  const double astray =
+      led_weights_.empty() ? 0.0 : led_weights_[v] * (image.position - led_[v]).squaredNorm();
+  return distortion_weight_ * distortion_energy(image.position) + own_area_ * (misfit + astray) +
          sphere_energy(p);
 }
 
@@ -280,6 +313,11 @@ ComposedMap::Slope ComposedMap::slope_at(VertexIndex v, const Eigen::Vector3d& p
   }
   Slope result{moves.transpose() * gradient * distortion_weight_,
                moves.transpose() * hessian * moves * distortion_weight_};
+  if (!led_weights_.empty()) {
+    const double pull = 2.0 * own_area_ * led_weights_[v];
+    result.gradient += pull * moves.transpose() * (image.position - led_[v]);
+    result.hessian += pull * moves.transpose() * moves;
+  }
   if (own_area_ > 0.0) {
     Eigen::Matrix<float, channels, 2> rates = Eigen::Matrix<float, channels, 2>::Zero();
     for (Eigen::Index k = 0; k < 3; ++k) {

@@ -51,12 +51,18 @@ class ComposedMap {
   /// A rotation from A's to B's space, by which A's normals and loops are turned before they are
   /// compared.
   void fit_rotation();
+  /// A smooth deformation of A's space (cubic polynomials) that leads A's vertices near where they
+  /// lie; from then on images are drawn to where it leads them, with `weight` where it explains
+  /// nearly all of B's extent, and with less where it does not.
+  void fit_deformation(double weight);
   /// Moves each vertex that is not held; returns by how much the energy fell.
   double sweep();
   double energy();
 
   const std::vector<Eigen::Vector3d>& sphere() const { return sphere_; }
   const SurfacePoint& image(VertexIndex v) const { return images_[v].place; }
+  /// Where that is in space; B's area at rest being 1.
+  const Eigen::Vector3d& position(VertexIndex v) const { return images_[v].position; }
   const std::vector<VertexIndex>& alive() const { return mesh_.alive(); }
   /// Signal of A at v (its normal turned) minus that of B at its image.
   Signal difference(VertexIndex v) const { return own_signal(v) - images_[v].signal; }
@@ -102,6 +108,8 @@ class ComposedMap {
   std::vector<Image> images_;
   std::vector<uint8_t> held_;
   spherical::RingRoom room_;
+  std::vector<Eigen::Vector3d> led_;  // where the smooth deformation leads each vertex
+  std::vector<double> led_weights_;   // per vertex; empty: none
   Eigen::Matrix3f turn_ = Eigen::Matrix3f::Identity();
   const std::vector<Signal>* own_values_;
   const std::vector<Signal>* rest_values_;

@@ -8,6 +8,7 @@
 
 #include "analysis/full_matching/anchors.h"
 #include "analysis/full_matching/composed_map.h"
+#include "analysis/full_matching/looseness.h"
 #include "analysis/full_matching/start_rotation.h"
 #include "config/error.h"
 #include "config/text.h"
@@ -41,6 +42,8 @@ constexpr double coarse_blur = 1.0;     // of signals while the mesh is coarse, 
 constexpr double tangent_weight = 2.0;  // of the direction along loops
 constexpr int landmark_refinements = 4;
 constexpr double poor_agreement = 0.35;
+constexpr double loose = 0.02;      // √area: drift at which confidence is halved
+constexpr double slight = 0.4;      // of the differences of signals in the doubt
 constexpr double most_lost = 0.15;  // of a surface, in holes of the other
 
 ClosedSurface closed_at_rest(const AnimatedMesh& mesh) {
@@ -120,12 +123,15 @@ Signal weights_of(const FullMatchingOptions& options, const SignalAgreement& agr
   return weights;
 }
 
-void sweep(ComposedMap& map, int most, const RunContext& ctx) {
+void sweep(ComposedMap& map, int most, double smoothness, const RunContext& ctx) {
+  map.fit_deformation(smoothness);
   const double little = settled * map.energy();
   for (int k = 0; k < most; ++k) {
     ctx.check_cancelled();
     if (map.sweep() < little) break;
-    if (k % 8 == 7) map.fit_rotation();
+    if (k % 8 != 7) continue;
+    map.fit_rotation();
+    map.fit_deformation(smoothness);
   }
 }
 
@@ -135,17 +141,18 @@ void descend(ComposedMap& map, const SignalPair& pair, const FullMatchingOptions
   map.set_detail(coarse_blur);
   map.fit_rotation();
   map.set_weights(weights_of(options, {1.0, 1.0, 1.0}), options.keep_shape);
-  sweep(map, coarse_sweeps, ctx);
+  sweep(map, coarse_sweeps, 0.0, ctx);
+  sweep(map, coarse_sweeps / 2, options.smooth_weight, ctx);
   while (!map.complete()) {
     map.fit_rotation();
     map.set_weights(weights_of(options, agreement_of(map, pair)), options.keep_shape);
     map.refine(static_cast<std::size_t>(growth * static_cast<double>(map.vertex_count())));
     map.set_detail(coarse_blur);
-    sweep(map, level_sweeps, ctx);
+    sweep(map, level_sweeps, options.smooth_weight, ctx);
   }
   map.fit_rotation();
   map.set_weights(weights_of(options, agreement_of(map, pair)), options.keep_shape);
-  sweep(map, final_sweeps, ctx);
+  sweep(map, final_sweeps, options.smooth_weight, ctx);
 }
 
 /// Brings a coarse map to the landmarks; those that find no way get more vertices around them.
@@ -320,22 +327,38 @@ SurfaceMap reverse_of(const SurfaceOverlay& overlay, const std::vector<double>& 
   return reverse;
 }
 
-void collect(FullMatching& result, ComposedMap& map, const SignalPair& pair, double snap) {
+/// Of A's vertices. Moves the map.
+std::vector<double> confidence_of(ComposedMap& map, const SignalPair& pair, const ClosedSurface& a,
+                                  const FullMatchingOptions& options,
+                                  const SignalAgreement& agreement, const RunContext& ctx) {
+  const double trust = overall_trust(agreement, pair);
+  std::vector<double> confidence = doubts_of(map, pair, a);
+  const std::vector<double> looseness =
+      full_matching::looseness_of(map, a, weights_of(options, agreement), options.keep_shape, ctx);
+  for (std::size_t v = 0; v < confidence.size(); ++v) {
+    const double doubt = looseness[v] / loose + slight * confidence[v];
+    confidence[v] = std::clamp(trust / (1.0 + doubt), 0.0, 1.0);
+  }
+  return confidence;
+}
+
+void collect(FullMatching& result, ComposedMap& map, const SignalPair& pair,
+             const FullMatchingOptions& options, const RunContext& ctx) {
   const ClosedSurface &a = result.overlay->source(), &b = result.overlay->target();
   result.agreement = agreement_of(map, pair);
-  const double trust = overall_trust(result.agreement, pair);
-  std::vector<double> confidence;
-  for (const double doubt : doubts_of(map, pair, a)) confidence.push_back(trust / (1 + 4 * doubt));
   for (VertexIndex v = 0; v < a.surface_vertices; ++v) {
     result.forward.points.push_back(map.image(v));
-    result.forward.confidence.push_back(std::clamp(confidence[v], 0.0, 1.0));
     result.distortion.push_back(map.distortion_at(v));
     result.mean_distortion += pair.a.areas[v] * result.distortion.back();
   }
+  const std::vector<double> confidence =
+      confidence_of(map, pair, a, options, result.agreement, ctx);
+  result.forward.confidence.assign(
+      confidence.begin(), confidence.begin() + static_cast<std::ptrdiff_t>(a.surface_vertices));
   result.reverse = reverse_of(*result.overlay, confidence);
   result.exactly = there_and_back(*result.overlay);
-  const Leaving forward = leave_fillings(result.forward, b, pair.b.positions, snap);
-  const Leaving reverse = leave_fillings(result.reverse, a, pair.a.positions, snap);
+  const Leaving forward = leave_fillings(result.forward, b, pair.b.positions, options.snap);
+  const Leaving reverse = leave_fillings(result.reverse, a, pair.a.positions, options.snap);
   result.unmapped_source = forward.unmapped;
   result.snapped_source = forward.snapped;
   result.unmapped_target = reverse.unmapped;
@@ -356,6 +379,10 @@ void FullMatchingOptions::declare(ParameterSet& p) {
            {.min = 0, .max = 1e3, .help = "How much equal normals count"});
   p.number("loop-weight", loop_weight,
            {.min = 0, .max = 1e3, .help = "How much equal nearness of holes and rim counts"});
+  p.number("smooth-weight", smooth_weight,
+           {.min = 0,
+            .max = 1e4,
+            .help = "How much a smooth deformation of space that nearly fits counts"});
   p.number("strain-instants", strain_instants,
            {.min = 2, .max = 200, .help = "Instants at which the motions are compared"});
   p.number("snap", snap,
@@ -402,7 +429,7 @@ FullMatching match_surfaces(const AnimatedMesh& source, const AnimatedMesh& targ
   result.sphere_distortion_source = sphere_a.distortion;
   result.sphere_distortion_target = sphere_b.distortion;
   result.overlay = std::make_shared<SurfaceOverlay>(a, map->sphere(), b, sphere_b.points);
-  collect(result, *map, pair, options.snap);
+  collect(result, *map, pair, options, ctx);
   for (const Anchor& anchor : anchors) result.forward.confidence[anchor.vertex] = 1.0;
   return result;
 }

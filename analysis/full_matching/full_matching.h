@@ -28,13 +28,14 @@
 namespace kinemesh {
 
 struct FullMatchingOptions {
-  double keep_shape = 0.3;  ///< weight of the distortion
+  double keep_shape = 0.6;  ///< weight of the distortion
   double strain_weight = 0.5;
   double normal_weight = 1.0;
   double loop_weight = 20.0;
-  int strain_instants = 24;  ///< at which the motions are compared
-  double snap = 0.01;        ///< √area of the target
-  int rotations = 1000;      ///< tried for the start
+  double smooth_weight = 120.0;  ///< of a smooth deformation of space
+  int strain_instants = 24;      ///< at which the motions are compared
+  double snap = 0.01;            ///< √area of the target
+  int rotations = 1000;          ///< tried for the start
   SphericalOptions sphere;
   void declare(ParameterSet& p);
   void validate() const { validate_options(*this); }

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <random>
 
+#include "analysis/full_matching/smooth_deformation.h"
 #include "analysis/spherical/closed_surface.h"
 #include "analysis/spherical/sphere_locator.h"
 #include "config/error.h"
@@ -149,6 +150,26 @@ TEST_F(FacePair, EachDirectionIsTheInverseOfTheOtherAlsoWithinTriangles) {
     if (!there.valid()) continue;
     EXPECT_EQ(there.face, matching.forward.points[v].face);
   }
+}
+
+TEST(SmoothDeformation, ACubicIsFoundAndDisorderSaysNothing) {
+  const test::Surface ball = test::sphere(3, 1);
+  std::vector<Eigen::Vector3d> led, disorder;
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  for (const Eigen::Vector3d& p : ball.positions) {
+    led.emplace_back(p.x() + 0.1 * p.y() * p.z(), 2 * p.y() - 0.2 * p.x() * p.x() * p.z(),
+                     1 - p.z());
+    disorder.emplace_back(normal(random), normal(random), normal(random));
+  }
+  const std::vector<double> areas(ball.positions.size(), 0.1);
+  full_matching::SmoothDeformation deformation;
+  deformation.fit(ball.positions, led, areas);
+  EXPECT_LT(deformation.unexplained(), 1e-6);
+  for (std::size_t v = 0; v < led.size(); v += 10)
+    EXPECT_LT((deformation(ball.positions[v]) - led[v]).norm(), 1e-3);
+  deformation.fit(ball.positions, disorder, areas);
+  EXPECT_GT(deformation.unexplained(), 0.8);
 }
 
 TEST(FullMatching, SurfacesThatAreNoSpheresAreNamed) {
