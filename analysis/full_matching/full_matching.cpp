@@ -244,20 +244,6 @@ Leaving leave_fillings(SurfaceMap& map, const ClosedSurface& closed,
   return leaving;
 }
 
-/// Means over each vertex and its neighbours, `rounds` times.
-std::vector<double> smoothed(std::vector<double> values, const Topology& topology, int rounds) {
-  for (int k = 0; k < rounds; ++k) {
-    std::vector<double> next = values;
-    for (VertexIndex v = 0; v < values.size(); ++v) {
-      const auto ring = topology.neighbours_of(v);
-      for (const VertexIndex r : ring) next[v] += values[r];
-      next[v] /= static_cast<double>(ring.size() + 1);
-    }
-    values = std::move(next);
-  }
-  return values;
-}
-
 /// How doubtful the place of each vertex of A is: what differs there, and how much is stretched.
 std::vector<double> doubts_of(ComposedMap& map, const SignalPair& pair,
                               const ClosedSurface& closed) {
@@ -272,7 +258,7 @@ std::vector<double> doubts_of(ComposedMap& map, const SignalPair& pair,
     doubt += 0.5 * std::min(4.0, map.distortion_at(v) - 1.0);
     doubts[v] = std::max(0.0, doubt);
   }
-  return smoothed(std::move(doubts), *closed.topology, 4);
+  return full_matching::smoothed(std::move(doubts), *closed.topology, 4);
 }
 
 double overall_trust(const SignalAgreement& agreement, const SignalPair& pair) {

@@ -49,7 +49,13 @@ void spread(std::vector<double>& values, std::vector<uint8_t> known, const Topol
     if (!found) break;
     known = std::move(next);
   }
-  for (int round = 0; round < spreading_rounds; ++round) {
+  values = smoothed(std::move(values), topology, spreading_rounds);
+}
+
+}  // namespace
+
+std::vector<double> smoothed(std::vector<double> values, const Topology& topology, int rounds) {
+  for (int round = 0; round < rounds; ++round) {
     std::vector<double> next = values;
     for (VertexIndex v = 0; v < values.size(); ++v) {
       const auto ring = topology.neighbours_of(v);
@@ -58,9 +64,8 @@ void spread(std::vector<double>& values, std::vector<uint8_t> known, const Topol
     }
     values = std::move(next);
   }
+  return values;
 }
-
-}  // namespace
 
 std::vector<double> looseness_of(ComposedMap& map, const ClosedSurface& closed,
                                  const Signal& weights, double keep_shape, const RunContext& ctx) {

@@ -16,4 +16,7 @@ namespace kinemesh::full_matching {
 std::vector<double> looseness_of(ComposedMap& map, const ClosedSurface& closed,
                                  const Signal& weights, double keep_shape, const RunContext& ctx);
 
+/// Means over each vertex and its neighbours, `rounds` times.
+std::vector<double> smoothed(std::vector<double> values, const Topology& topology, int rounds);
+
 }  // namespace kinemesh::full_matching
