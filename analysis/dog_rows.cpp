@@ -10,7 +10,7 @@
 namespace kinemesh::dog {
 namespace {
 
-constexpr std::size_t lanes = 16;
+constexpr std::size_t row_lanes = 16;
 constexpr std::size_t block_bytes = 400U << 10U;  // all planes of a block of levels: fits the cache
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
@@ -47,8 +47,8 @@ inline void fused_row(const LevelPlanes& p, std::size_t k) {
   float* n = p.next + k * p.stride;
   const float a = p.a;
   if (k + 1 == p.rows) {
-    for (std::size_t b = 0; b < p.padded; b += lanes) {
-      for (std::size_t f = b; f < b + lanes; ++f) {
+    for (std::size_t b = 0; b < p.padded; b += row_lanes) {
+      for (std::size_t f = b; f < b + row_lanes; ++f) {
         n[f] = c[f] + a * ((c[f - 1] + c[f + 1]) - (c[f] + c[f]));
       }
     }
@@ -58,8 +58,8 @@ inline void fused_row(const LevelPlanes& p, std::size_t k) {
   const float* up = c + p.stride;
   float* d = p.d + (k + 1) * p.stride;
   const float space = p.space[k * p.coefficient_stride], time = p.time[k * p.coefficient_stride];
-  for (std::size_t b = 0; b < p.padded; b += lanes) {
-    for (std::size_t f = b; f < b + lanes; ++f) {
+  for (std::size_t b = 0; b < p.padded; b += row_lanes) {
+    for (std::size_t f = b; f < b + row_lanes; ++f) {
       const float t = a * ((c[f - 1] + c[f + 1]) - (c[f] + c[f]));
       n[f] = c[f] + t;
       d[f] = space * (up[f] - c[f]) + time * t;
@@ -75,8 +75,8 @@ inline void difference_row(const LevelPlanes& p, std::size_t k) {
   const float* n = p.next + k * p.stride;
   float* d = p.d + (k + 1) * p.stride;
   const float space = p.space[k * p.coefficient_stride], time = p.time[k * p.coefficient_stride];
-  for (std::size_t b = 0; b < p.padded; b += lanes) {
-    for (std::size_t f = b; f < b + lanes; ++f) {
+  for (std::size_t b = 0; b < p.padded; b += row_lanes) {
+    for (std::size_t f = b; f < b + row_lanes; ++f) {
       d[f] = space * (up[f] - c[f]) + time * (n[f] - c[f]);
     }
   }
@@ -90,8 +90,8 @@ inline void minima_row(const LevelPlanes& p, std::size_t row) {
   const float* above = p.d + at + p.stride;
   float* pair = p.pair + at;
   float* least = p.least + at;
-  for (std::size_t b = 0; b < p.padded; b += lanes) {
-    for (std::size_t f = b; f < b + lanes; ++f) {
+  for (std::size_t b = 0; b < p.padded; b += row_lanes) {
+    for (std::size_t f = b; f < b + row_lanes; ++f) {
       const float m = below[f] < above[f] ? below[f] : above[f];
       pair[f] = m;
       least[f] = m < here[f] ? m : here[f];
@@ -117,10 +117,10 @@ inline bool any_minimum(const LevelPlanes& p, std::size_t at, std::size_t b, flo
   const float* pair = p.pair_before + at;
   const float* before = p.least_before + at;
   const float* after = p.least + at;
-  int found[lanes] = {};
-  const std::size_t end = std::min(b + 4 * lanes, p.padded);
-  for (std::size_t block = b; block < end; block += lanes) {
-    for (std::size_t i = 0; i < lanes; ++i) {
+  int found[row_lanes] = {};
+  const std::size_t end = std::min(b + 4 * row_lanes, p.padded);
+  for (std::size_t block = b; block < end; block += row_lanes) {
+    for (std::size_t i = 0; i < row_lanes; ++i) {
       const std::size_t f = block + i;
       float m = pair[f] < limit ? pair[f] : limit;
       m = before[f] < m ? before[f] : m;
@@ -147,9 +147,9 @@ KINEMESH_MULTIVERSION void test_rows(const LevelPlanes& p, std::size_t begin, st
                                      std::vector<Hit>* hits) {
   for (std::size_t row = begin; row < end; ++row) {
     const std::size_t at = row * p.stride;
-    for (std::size_t b = 0; b < p.frames; b += 4 * lanes) {
+    for (std::size_t b = 0; b < p.frames; b += 4 * row_lanes) {
       if (!any_minimum(p, at, b, limit)) continue;
-      const std::size_t last = std::min(b + 4 * lanes, p.frames);
+      const std::size_t last = std::min(b + 4 * row_lanes, p.frames);
       for (std::size_t f = b; f < last; ++f) {
         if (!is_minimum(p, at, f, limit)) continue;
         hits->push_back({static_cast<uint32_t>(first_k + row - 1), static_cast<uint32_t>(level),
@@ -165,8 +165,8 @@ KINEMESH_MULTIVERSION void pass_rows(const float* from, float* to, std::size_t s
   for (std::size_t k = 0; k < rows; ++k) {
     const float* c = from + k * stride;
     float* n = to + k * stride;
-    for (std::size_t b = 0; b < padded; b += lanes) {
-      for (std::size_t f = b; f < b + lanes; ++f) {
+    for (std::size_t b = 0; b < padded; b += row_lanes) {
+      for (std::size_t f = b; f < b + row_lanes; ++f) {
         n[f] = c[f] + a * ((c[f - 1] + c[f + 1]) - (c[f] + c[f]));
       }
     }
@@ -177,10 +177,10 @@ KINEMESH_MULTIVERSION void pass_rows(const float* from, float* to, std::size_t s
 KINEMESH_MULTIVERSION float weighted_difference(const float* g, const float* e, const float* low,
                                                 const float* high, std::size_t length, float space,
                                                 float time) {
-  float sums[lanes] = {};
+  float sums[row_lanes] = {};
   std::size_t j = 0;
-  for (; j + lanes <= length; j += lanes) {
-    for (std::size_t i = 0; i < lanes; ++i) {
+  for (; j + row_lanes <= length; j += row_lanes) {
+    for (std::size_t i = 0; i < row_lanes; ++i) {
       sums[i] += space * g[j + i] * (high[j + i] - low[j + i]) + time * e[j + i] * low[j + i];
     }
   }
@@ -195,11 +195,11 @@ KINEMESH_MULTIVERSION float weighted_difference(const float* g, const float* e, 
 RowTester::RowTester(const Scales& scales, std::size_t frames)
     : scales_(scales),
       frames_(frames),
-      padded_((frames + lanes - 1) / lanes * lanes),
-      stride_(padded_ + 2 * lanes) {
+      padded_((frames + row_lanes - 1) / row_lanes * row_lanes),
+      stride_(padded_ + 2 * row_lanes) {
   const std::size_t fitting = block_bytes / (9 * stride_ * sizeof(float));
   block_ = std::min(scales.sigma_levels, std::max<std::size_t>(fitting, 11) - 3);
-  const std::size_t size = (block_ + 5) * stride_ + 2 * lanes;
+  const std::size_t size = (block_ + 5) * stride_ + 2 * row_lanes;
   for (Buffer<float>* plane : {&current_, &next_, &spare_, &d_[0], &d_[1], &pair_[0], &pair_[1],
                                &least_[0], &least_[1], &least_[2]}) {
     *plane = Buffer<float>(size, 0.0F);
