@@ -106,7 +106,7 @@ TEST_F(BadSessions, AllPointsUnlabelled) {
   MarkerSequence take = sample();
   for (Marker& m : take.markers()) m.kind = MarkerKind::unlabelled;
   const Runs runs = run(take);
-  expect(runs.quality.out, "fit after cleaning: all points are unlabelled");
+  expect(runs.quality.out, "cannot be graded before it is labelled: all points are unlabelled");
   expect(runs.quality.out, "--template");
   for (const test::ProgramRun& r : {runs.process, runs.convert}) {
     EXPECT_EQ(r.exit_code, 4);
