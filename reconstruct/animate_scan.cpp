@@ -174,10 +174,11 @@ void refuse_too_large(std::size_t frames, std::size_t vertices, std::size_t mark
                  "resample), decimate the scan, or allow more with --memory"});
 }
 
-/// The frames asked for and those between them.
+/// The frames asked for and those between them, to the last that was named: what is written chooses
+/// among them by the same words.
 FrameChoice driven_frames(const std::string& text, const MarkerSequence& take) {
   FrameChoice range = chosen_frames(text, take.first_frame, take.frame_count());
-  if (range.count > 0) range.count = (range.count - 1) * range.step + 1;
+  range.count = std::min(range.count * range.step, take.frame_count() - range.first);
   range.step = 1;
   return range;
 }
